@@ -1,0 +1,2 @@
+//! topout
+fn main() {}

@@ -1,0 +1,1 @@
+//! Everything on the GPU: uploads, passes, timing, read-back.

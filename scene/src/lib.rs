@@ -1,0 +1,19 @@
+//! Objects, their geometry and behaviour, and the structures that make them cheap to draw.
+//!
+//! Data flow: files -> [`Model`] -> [`Scene`] (linked to a schedule) -> [`Hdlod`] -> [`Selection`].
+//! Nothing here touches wgpu or egui.
+
+mod geometry;
+pub mod hdlod;
+mod progress;
+#[allow(clippy::module_inception)]
+mod scene;
+mod view;
+
+pub use geometry::{Aabb, Layer, Mesh, Vertex, decode_normal, encode_normal};
+pub use hdlod::{Hdlod, Selection};
+pub use progress::{Cancelled, Progress};
+pub use scene::{
+    BehaviourId, Element, ElementId, Group, GroupId, Instance, Material, MeshId, Model, Scene,
+};
+pub use view::{Containment, Frustum, NamedView, Projection, View};

@@ -1,0 +1,177 @@
+//! The model (what stands where) and the scene (what stands when).
+
+use crate::{Aabb, Mesh};
+use glam::{Affine3A, DVec3};
+use std::ops::Range;
+use topout_schedule::{Behaviour, Diagnostics, Schedule};
+
+macro_rules! id {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Debug)]
+        pub struct $name(pub u32);
+
+        impl $name {
+            /// As an index into the table it belongs to.
+            pub const fn index(self) -> usize {
+                self.0 as usize
+            }
+        }
+    };
+}
+
+id!(/** Index into [`Model::elements`]. */ ElementId);
+id!(/** Index into [`Model::groups`]. */ GroupId);
+id!(/** Index into [`Model::meshes`]. */ MeshId);
+id!(/** Index into [`Scene::behaviours`]. */ BehaviourId);
+
+/// How a surface looks.
+#[derive(Clone, PartialEq, Debug)]
+pub struct Material {
+    /// The name in the file, or empty.
+    pub name: String,
+    /// Linear RGBA in [0, 1]; for a textured material already times the texture's mean.
+    pub color: [f32; 4],
+    /// 0 mirror-like, 1 matt.
+    pub roughness: f32,
+    /// 0 dielectric, 1 metal.
+    pub metallic: f32,
+    /// Drawn after the solid parts, blended by `color[3]`.
+    pub transparent: bool,
+}
+
+/// A mesh at a place.
+#[derive(Clone, Copy, Debug)]
+pub struct Instance {
+    /// Which mesh.
+    pub mesh: MeshId,
+    /// Mesh space to the scene's local space (metres from [`Model::origin`]). May mirror.
+    pub world_from_mesh: Affine3A,
+}
+
+/// One building element: the unit that is linked, appears and vanishes.
+#[derive(Clone, Debug, Default)]
+pub struct Element {
+    /// Node name; may be empty.
+    pub name: String,
+    /// Global id from the node's extras, if any.
+    pub guid: Option<String>,
+    /// What it is (IfcWall, column, ...); may be empty.
+    pub kind: String,
+    /// Storey it belongs to; may be empty.
+    pub storey: String,
+    /// Nearest named group above it.
+    pub group: Option<GroupId>,
+    /// Its meshes, a range of [`Model::instances`].
+    pub instances: Range<u32>,
+    /// Box of its geometry in local space.
+    pub bounds: Aabb,
+}
+
+/// A named node without a mesh: a storey, a zone, an assembly.
+#[derive(Clone, Debug, Default)]
+pub struct Group {
+    /// Node name.
+    pub name: String,
+    /// Global id from the node's extras, if any.
+    pub guid: Option<String>,
+    /// The group above.
+    pub parent: Option<GroupId>,
+}
+
+/// One or several imported models: geometry and names, no time. Up is +Y, units are metres.
+#[derive(Clone, Debug, Default)]
+pub struct Model {
+    /// Display name.
+    pub name: String,
+    /// World position of the local space's zero; everything else is relative to it.
+    pub origin: DVec3,
+    /// Shared meshes.
+    pub meshes: Vec<Mesh>,
+    /// Surfaces, at most 65,536.
+    pub materials: Vec<Material>,
+    /// Meshes at places; the instances of an element are contiguous.
+    pub instances: Vec<Instance>,
+    /// Building elements.
+    pub elements: Vec<Element>,
+    /// Named nodes above elements.
+    pub groups: Vec<Group>,
+    /// What was found while importing.
+    pub diagnostics: Diagnostics,
+}
+
+impl Model {
+    /// The instances of an element.
+    pub fn instances_of(&self, element: &Element) -> &[Instance] {
+        &self.instances[element.instances.start as usize..element.instances.end as usize]
+    }
+
+    /// Number of triangles of an element, its instances counted each.
+    pub fn triangles_of(&self, element: &Element) -> usize {
+        self.instances_of(element)
+            .iter()
+            .map(|i| self.meshes[i.mesh.index()].triangle_count())
+            .sum()
+    }
+
+    /// Number of triangles of all elements, instances counted each.
+    pub fn triangle_count(&self) -> usize {
+        self.elements.iter().map(|e| self.triangles_of(e)).sum()
+    }
+
+    /// Box of all elements.
+    pub fn bounds(&self) -> Aabb {
+        self.elements.iter().fold(Aabb::EMPTY, |b, e| b.union(&e.bounds))
+    }
+}
+
+/// A model linked to a schedule: S(t) of H1. Immutable after load.
+#[derive(Clone, Debug, Default)]
+pub struct Scene {
+    /// Geometry and names.
+    pub model: Model,
+    /// Merged and validated activities.
+    pub schedule: Schedule,
+    /// Distinct behaviours; elements share them.
+    pub behaviours: Vec<Behaviour>,
+    /// Behaviour of each element.
+    pub element_behaviour: Vec<BehaviourId>,
+    /// Activities of each element: `activity_links[activity_starts[e]..activity_starts[e + 1]]`,
+    /// indices into `schedule.activities`.
+    pub activity_starts: Vec<u32>,
+    /// See `activity_starts`.
+    pub activity_links: Vec<u32>,
+    /// Everything found while importing, reading and linking.
+    pub diagnostics: Diagnostics,
+}
+
+impl Scene {
+    /// The behaviour of an element.
+    pub fn behaviour(&self, element: ElementId) -> &Behaviour {
+        &self.behaviours[self.element_behaviour[element.index()].index()]
+    }
+
+    /// The activities linked to an element, as indices into `schedule.activities`.
+    pub fn activities_of(&self, element: ElementId) -> &[u32] {
+        match (
+            self.activity_starts.get(element.index()),
+            self.activity_starts.get(element.index() + 1),
+        ) {
+            (Some(&from), Some(&to)) => &self.activity_links[from as usize..to as usize],
+            _ => &[],
+        }
+    }
+
+    /// The box that the standard views fit: that of all elements which some activity touches, of
+    /// everything where none is touched.
+    pub fn focus_bounds(&self) -> Aabb {
+        let touched = self
+            .model
+            .elements
+            .iter()
+            .enumerate()
+            .filter(|(i, _)| !self.activities_of(ElementId(*i as u32)).is_empty())
+            .fold(Aabb::EMPTY, |b, (_, e)| b.union(&e.bounds));
+        if touched.is_empty() { self.model.bounds() } else { touched }
+    }
+}

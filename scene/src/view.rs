@@ -1,0 +1,251 @@
+//! The camera, its picture, and what an error in metres means in pixels.
+
+use crate::Aabb;
+use glam::camera::rh::{proj::directx, view};
+use glam::{Mat4, UVec2, Vec3, Vec4};
+
+/// How space is brought onto the picture.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Projection {
+    /// Vertical field of view in radians.
+    Perspective {
+        /// Vertical field of view in radians.
+        fov_y: f32,
+    },
+    /// Parallel rays.
+    Orthographic {
+        /// Height of the picture in metres.
+        height: f32,
+    },
+}
+
+/// Camera, picture size and tolerance: everything that a selection depends on besides the date.
+///
+/// Up is +Y. The picture is `size` physical pixels; depth is reversed (1 near, 0 far).
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct View {
+    /// Where the camera stands, metres in local space.
+    pub eye: Vec3,
+    /// What it looks at.
+    pub target: Vec3,
+    /// Roughly upward; must not be parallel to the line of sight.
+    pub up: Vec3,
+    /// Kind of projection.
+    pub projection: Projection,
+    /// Picture in physical pixels, at least 1 x 1.
+    pub size: UVec2,
+    /// Largest error allowed on the picture, physical pixels.
+    pub tolerance_px: f32,
+}
+
+/// The standard directions of `--view` and of the axis buttons.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum NamedView {
+    /// From +Z.
+    Front,
+    /// From -Z.
+    Back,
+    /// From -X.
+    Left,
+    /// From +X.
+    Right,
+    /// From +Y.
+    Top,
+    /// Azimuth 30 degrees from +Z towards +X, elevation 20 degrees.
+    Iso,
+}
+
+impl NamedView {
+    /// Every standard view with its name.
+    pub const ALL: [(Self, &'static str); 6] = [
+        (Self::Front, "front"),
+        (Self::Back, "back"),
+        (Self::Left, "left"),
+        (Self::Right, "right"),
+        (Self::Top, "top"),
+        (Self::Iso, "iso"),
+    ];
+
+    /// Azimuth and elevation in degrees.
+    pub fn angles(self) -> (f32, f32) {
+        match self {
+            Self::Front => (0.0, 0.0),
+            Self::Back => (180.0, 0.0),
+            Self::Left => (-90.0, 0.0),
+            Self::Right => (90.0, 0.0),
+            Self::Top => (0.0, 90.0),
+            Self::Iso => (30.0, 20.0),
+        }
+    }
+}
+
+impl View {
+    /// Vertical field of view of the standard views: 45 degrees.
+    pub const FOV_Y: f32 = std::f32::consts::FRAC_PI_4;
+
+    /// Looks at the centre of `focus` from an azimuth (from +Z towards +X) and elevation in
+    /// degrees, at `distance_factor` times the smallest distance at which every corner of the box
+    /// is inside the frame (1, 2 and 4 are the paper's 1/1, 1/4 and 1/16).
+    pub fn fit(
+        focus: &Aabb,
+        azimuth: f32,
+        elevation: f32,
+        distance_factor: f32,
+        size: UVec2,
+    ) -> Self {
+        let (azimuth, elevation) = (azimuth.to_radians(), elevation.to_radians());
+        let backward = Vec3::new(
+            azimuth.sin() * elevation.cos(),
+            elevation.sin(),
+            azimuth.cos() * elevation.cos(),
+        );
+        // The derivative of `backward` by elevation: never parallel to it, also looking straight down.
+        let up = Vec3::new(
+            -azimuth.sin() * elevation.sin(),
+            elevation.cos(),
+            -azimuth.cos() * elevation.sin(),
+        );
+        let (focus, center) = if focus.is_empty() {
+            (Aabb { min: Vec3::splat(-1.0), max: Vec3::ONE }, Vec3::ZERO)
+        } else {
+            (*focus, focus.center())
+        };
+        let right = up.cross(backward);
+        let tan_y = (Self::FOV_Y * 0.5).tan();
+        let tan_x = tan_y * size.x.max(1) as f32 / size.y.max(1) as f32;
+        let distance = focus.corners().iter().fold(1e-3f32, |distance, corner| {
+            let v = *corner - center;
+            let toward = v.dot(backward);
+            distance.max(toward + v.dot(right).abs() / tan_x).max(toward + v.dot(up).abs() / tan_y)
+        });
+        Self {
+            eye: center + backward * distance * distance_factor,
+            target: center,
+            up,
+            projection: Projection::Perspective { fov_y: Self::FOV_Y },
+            size: size.max(UVec2::ONE),
+            tolerance_px: 1.0,
+        }
+    }
+
+    /// Width over height.
+    pub fn aspect(&self) -> f32 {
+        self.size.x as f32 / self.size.y as f32
+    }
+
+    /// Unit vector of the line of sight.
+    pub fn forward(&self) -> Vec3 {
+        (self.target - self.eye).normalize_or(Vec3::NEG_Z)
+    }
+
+    /// Distance of the near plane in metres. Depth is reversed and infinite, so it costs no precision.
+    pub fn near(&self) -> f32 {
+        0.05
+    }
+
+    /// World (local space) to camera space.
+    pub fn view_from_world(&self) -> Mat4 {
+        view::look_to_mat4(self.eye, self.forward(), self.up)
+    }
+
+    /// Local space to clip space with reversed depth. `reach` (metres, only for parallel
+    /// projection) is half the depth that is shown around the eye's plane.
+    pub fn clip_from_world(&self, reach: f32) -> Mat4 {
+        let clip_from_view = match self.projection {
+            Projection::Perspective { fov_y } => {
+                directx::perspective_infinite_reverse(fov_y, self.aspect(), self.near())
+            }
+            Projection::Orthographic { height } => {
+                let (h, w) = (height * 0.5, height * 0.5 * self.aspect());
+                directx::orthographic(-w, w, -h, h, reach, -reach)
+            }
+        };
+        clip_from_view * self.view_from_world()
+    }
+
+    /// The planes of the frame as (normal, offset), inside where `normal . p + offset >= 0`:
+    /// left, right, bottom, top and, in perspective, near.
+    pub fn frustum(&self) -> Frustum {
+        let m = self.clip_from_world(1.0).transpose();
+        let (x, y, w) = (m.x_axis, m.y_axis, m.w_axis);
+        let near = match self.projection {
+            // No plane can be nearer than the eye's own.
+            Projection::Perspective { .. } => {
+                let f = self.forward();
+                f.extend(-f.dot(self.eye))
+            }
+            Projection::Orthographic { .. } => Vec4::W,
+        };
+        Frustum { planes: [w + x, w - x, w + y, w - y, near] }
+    }
+
+    /// Focal length in pixels, or pixels per metre in parallel projection.
+    fn scale_px(&self) -> f32 {
+        match self.projection {
+            Projection::Perspective { fov_y } => self.size.y as f32 * 0.5 / (fov_y * 0.5).tan(),
+            Projection::Orthographic { height } => self.size.y as f32 / height,
+        }
+    }
+
+    /// An upper bound in pixels of what an error of `delta` metres within `bounds` can displace
+    /// on the picture (R7, R8); infinite when the box is too near for any promise.
+    ///
+    /// Proof for perspective, with f the focal length in pixels and T the angle between the line
+    /// of sight and the frame's corner. Let p be a point of the box inside the frame, q a point
+    /// with |p - q| <= delta, and z_p, z_q their depths. p is at least d from the eye and at most
+    /// T off the axis, so z_p >= d cos T and z_q >= d cos T - delta. With x the lateral position,
+    /// x_p / z_p - x_q / z_q = ((x_p - x_q) - (x_p / z_p)(z_p - z_q)) / z_q. The numerator is the
+    /// image of p - q under a map of norm sqrt(1 + |x_p / z_p|^2) <= 1 / cos T, so the picture
+    /// moves by at most f delta / (cos T (d cos T - delta)).
+    pub fn error_px(&self, delta: f32, bounds: &Aabb) -> f32 {
+        if delta <= 0.0 {
+            return 0.0;
+        }
+        let scale = self.scale_px();
+        match self.projection {
+            Projection::Perspective { fov_y } => {
+                let tan_y = (fov_y * 0.5).tan();
+                let tan_x = tan_y * self.aspect();
+                let cos = 1.0 / (1.0 + tan_x * tan_x + tan_y * tan_y).sqrt();
+                let depth = bounds.distance(self.eye) * cos - delta;
+                if depth <= 0.0 { f32::INFINITY } else { scale * delta / (cos * depth) }
+            }
+            Projection::Orthographic { .. } => scale * delta,
+        }
+    }
+}
+
+/// The planes of a picture's frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Frustum {
+    planes: [Vec4; 5],
+}
+
+/// Where a box lies relative to the frame.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Containment {
+    /// No point of the box is inside.
+    Outside,
+    /// Some may be.
+    Partly,
+    /// All are.
+    Inside,
+}
+
+impl Frustum {
+    /// Where `bounds` lies. Conservative: `Partly` may be said of a box that is outside.
+    pub fn test(&self, bounds: &Aabb) -> Containment {
+        let (center, half) = (bounds.center(), bounds.size() * 0.5);
+        let mut inside = true;
+        for plane in &self.planes {
+            let normal = plane.truncate();
+            let middle = normal.dot(center) + plane.w;
+            let radius = normal.abs().dot(half);
+            if middle + radius < 0.0 {
+                return Containment::Outside;
+            }
+            inside &= middle - radius >= 0.0;
+        }
+        if inside { Containment::Inside } else { Containment::Partly }
+    }
+}
