@@ -1,1 +1,3 @@
-//! app
+//! The program: command line, window and what they share. No algorithm lives here.
+
+pub mod project;

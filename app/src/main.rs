@@ -1,2 +1,3 @@
-//! topout
+//! topout: see a building on any day of its construction.
+
 fn main() {}
