@@ -124,54 +124,37 @@ impl StepFunction {
         &self.values
     }
 
-    /// The weighted mean of behaviours (H7), with positive weights. Zero weights count as nothing.
+    /// The weighted mean of step functions (H7). Weights are not negative; where all are zero the
+    /// parts count equally.
     ///
-    /// The result is exactly 0 where none is present and exactly 1 where all are.
-    pub fn weighted_mean<'a>(parts: impl IntoIterator<Item = (f64, &'a Behaviour)>) -> Self {
-        let mut total = 0.0f64;
-        let mut count = 0i64;
-        let (mut sum, mut present) = (0.0f64, 0i64);
-        let mut events: Vec<(Time, f64, i64)> = Vec::new();
-        for (weight, behaviour) in parts {
-            total += weight;
-            count += 1;
-            let mut on = behaviour.initial();
-            if on {
-                sum += weight;
-                present += 1;
-            }
-            for &t in behaviour.toggles() {
-                on = !on;
-                let sign = if on { 1 } else { -1 };
-                events.push((t, weight * sign as f64, sign));
+    /// The result is exactly 0 where every part is 0 and exactly 1 where every part is 1, and
+    /// strictly between otherwise, whatever the rounding and however small a part's weight.
+    pub fn weighted_mean<'a>(parts: impl IntoIterator<Item = (f64, &'a StepFunction)>) -> Self {
+        let parts: Vec<_> = parts.into_iter().collect();
+        let given: f64 = parts.iter().map(|p| p.0).sum();
+        let weight_of = |weight: f64| if given > 0.0 { weight } else { 1.0 };
+        let total = if given > 0.0 { given } else { parts.len() as f64 };
+
+        let mut now = Mean { total, parts: parts.len() as i64, ..Mean::default() };
+        let mut events: Vec<(Time, f64, f32, f32)> = Vec::new();
+        for &(weight, part) in &parts {
+            let weight = weight_of(weight);
+            now.change(weight, part.values[0], 1);
+            for (i, &time) in part.times.iter().enumerate() {
+                events.push((time, weight, part.values[i], part.values[i + 1]));
             }
         }
         events.sort_by_key(|e| e.0);
-        let value = |sum: f64, present: i64| -> f32 {
-            if present == 0 {
-                0.0
-            } else if present == count {
-                1.0
-            } else if total > 0.0 {
-                // A share strictly between must not read as none or all.
-                ((sum / total) as f32).clamp(f32::MIN_POSITIVE, 1.0 - f32::EPSILON)
-            } else {
-                present as f32 / count as f32
+        let mut result = Self::constant(now.value());
+        for instant in events.chunk_by(|a, b| a.0 == b.0) {
+            for &(_, weight, before, after) in instant {
+                now.change(weight, before, -1);
+                now.change(weight, after, 1);
             }
-        };
-        let mut result = Self::constant(value(sum, present));
-        let mut i = 0;
-        while i < events.len() {
-            let time = events[i].0;
-            while i < events.len() && events[i].0 == time {
-                sum += events[i].1;
-                present += events[i].2;
-                i += 1;
-            }
-            let now = value(sum, present);
-            if result.values.last() != Some(&now) {
-                result.times.push(time);
-                result.values.push(now);
+            let value = now.value();
+            if result.values.last() != Some(&value) {
+                result.times.push(instant[0].0);
+                result.values.push(value);
             }
         }
         result
@@ -199,6 +182,34 @@ impl StepFunction {
             from = until;
         }
         area / length as f64
+    }
+}
+
+/// A running weighted mean that counts what is exactly 0 and exactly 1.
+#[derive(Default)]
+struct Mean {
+    total: f64,
+    parts: i64,
+    sum: f64,
+    zeros: i64,
+    ones: i64,
+}
+
+impl Mean {
+    fn change(&mut self, weight: f64, value: f32, count: i64) {
+        self.sum += weight * count as f64 * f64::from(value);
+        self.zeros += if value == 0.0 { count } else { 0 };
+        self.ones += if value == 1.0 { count } else { 0 };
+    }
+
+    fn value(&self) -> f32 {
+        if self.zeros == self.parts {
+            0.0
+        } else if self.ones == self.parts {
+            1.0
+        } else {
+            ((self.sum / self.total) as f32).clamp(f32::MIN_POSITIVE, 1.0 - f32::EPSILON)
+        }
     }
 }
 

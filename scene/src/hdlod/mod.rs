@@ -1,7 +1,38 @@
-//! HDLOD: a tree of clusters with geometry and behaviour over time.
+//! HDLOD: a tree of clusters with geometry and behaviour over time (Semenov, Shutkin, Zolotov,
+//! Morozov: "Extension of HLOD technique for dynamic scenes with deterministic events").
+//!
+//! | step | file | lines |
+//! |---|---|---|
+//! | thresholds per level | `ladder` | H12, R4, R5, R9 |
+//! | who is merged | `hilbert`, `grouping` | H11, H14, H15 |
+//! | merged geometry and its certificate | `soup`, `cover` | H5, H13, R10 |
+//! | what may stand for what in time | `presence` | R11 |
+//! | the loop over levels | `build` | H4, H6, H7, H11, R2, R9 |
+//! | what to draw | `select` | H8, H9, H10, R1, R5 to R8 |
+//!
+//! What is promised, mode [`Temporal::Tight`]: at every date, every point that a cluster draws is
+//! within its `eps` of some element below it that is present, and every point of those elements
+//! is within `eps` of something that the cluster draws. Mode [`Temporal::Paper`]: the paper's
+//! delta, a figure of merit and not a proof of a picture (R3).
 
-use crate::{Aabb, Cancelled, ElementId, Layer, Progress, Scene, Vertex, View};
-use topout_schedule::Time;
+mod build;
+mod cover;
+mod grouping;
+mod hilbert;
+mod ladder;
+mod presence;
+mod select;
+mod soup;
+#[cfg(test)]
+mod tests;
+
+pub use build::build;
+pub use select::{delta_m, select};
+pub use soup::Run;
+
+use crate::{Aabb, ElementId, Layer, Vertex};
+use std::ops::Range;
+use topout_schedule::StepFunction;
 
 /// Which promise a tree makes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -20,24 +51,152 @@ pub struct Settings {
     pub temporal: Temporal,
 }
 
-/// The tree. Geometry of all clusters lies in one vertex and one index table.
-#[derive(Clone, Debug, Default)]
-pub struct Hdlod {
-    /// Vertices of all clusters, local space (metres from the model's origin).
-    pub vertices: Vec<Vertex>,
-    /// Indices of all clusters, three a triangle, relative to the cluster's [`Span::base_vertex`].
-    pub indices: Vec<u32>,
-    /// The clusters; the root is the last.
-    pub clusters: Vec<Cluster>,
+/// A node of the tree.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Node {
+    /// An element, drawn exactly.
+    Leaf(ElementId),
+    /// An index into [`Hdlod::clusters`].
+    Cluster(u32),
 }
 
-/// One inner node.
+/// The tree. The geometry of all clusters lies in one vertex and one index table.
+#[derive(Clone, Debug, Default)]
+pub struct Hdlod {
+    /// The promise that it was built for.
+    pub temporal: Temporal,
+    /// Vertices of all clusters, local space (metres from the model's origin).
+    pub vertices: Vec<Vertex>,
+    /// Indices of all clusters, three a triangle, relative to [`Cluster::base_vertex`].
+    pub indices: Vec<u32>,
+    /// Inner nodes, children before parents.
+    pub clusters: Vec<Cluster>,
+    /// Children of all clusters, see [`Cluster::children`].
+    pub children: Vec<Node>,
+    /// The coarsest picture of everything; `None` where nothing is ever present.
+    pub root: Option<Node>,
+    /// How the build went, level by level.
+    pub levels: Vec<LevelStats>,
+}
+
+/// One inner node: c = (g_c, f_c, b_c, w_c, eps_c, gamma_c) of H4.
+///
+/// Rule of selection ([`select`]): it is drawn in place of everything below it when
+/// [`crate::View::error_px`] of its `eps` (or delta) and `bounds` is within the tolerance.
 #[derive(Clone, Debug)]
 pub struct Cluster {
-    /// Encloses its geometry and everything below it (R7).
+    /// Its children, a range of [`Hdlod::children`].
+    pub children: Range<u32>,
+    /// b_c: encloses its geometry and everything below it (R7).
     pub bounds: Aabb,
-    /// Upper bound in metres of the distance between what it draws and what it stands for (H5).
+    /// Upper bound in metres of the Hausdorff distance between what it draws and what it stands
+    /// for; never below a child's (H5, R10). In mode tight it holds at every date (R11).
     pub eps: f32,
+    /// Temporal error in [0, 1] (H6).
+    pub gamma: f64,
+    /// w_c in metres: the sum of the diameters of the elements below (R2).
+    pub weight: f64,
+    /// f_c: the weighted share of the elements below that is present (H7).
+    pub presence: StepFunction,
+    /// The level that made it, from 1.
+    pub level: u32,
+    /// Number of elements below.
+    pub leaves: u32,
+    first_index: u32,
+    base_vertex: u32,
+    layers: [soup::LayerRuns; 2],
+}
+
+impl Cluster {
+    /// Number of triangles over all behaviours.
+    pub fn triangle_count(&self) -> usize {
+        (self.layers[1].end() as usize) / 3
+    }
+
+    /// Its index ranges by behaviour: (layer, run, first index, one past the last) in
+    /// [`Hdlod::indices`].
+    pub fn runs(&self) -> impl Iterator<Item = (Layer, Run, Range<usize>)> + '_ {
+        let layers = self.layers.iter().zip([Layer::Opaque, Layer::Transparent]);
+        layers.flat_map(move |(layer, kind)| {
+            let starts = std::iter::once(layer.start).chain(layer.runs.iter().map(|r| r.end));
+            let base = self.first_index;
+            layer.runs.iter().zip(starts).map(move |(run, start)| {
+                (kind, *run, (base + start) as usize..(base + run.end) as usize)
+            })
+        })
+    }
+
+    /// Added to its indices; a place in [`Hdlod::vertices`].
+    pub fn base_vertex(&self) -> u32 {
+        self.base_vertex
+    }
+}
+
+/// What one level of the build did.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct LevelStats {
+    /// From 1.
+    pub level: u32,
+    /// eps(l) in metres.
+    pub eps_m: f32,
+    /// Clusters made.
+    pub clusters: usize,
+    /// Nodes active after it.
+    pub active: usize,
+    /// Triangles that the active nodes draw together.
+    pub triangles: usize,
+}
+
+/// The tree in figures.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct Stats {
+    /// Inner nodes.
+    pub clusters: usize,
+    /// Longest way from the root to a leaf, in nodes.
+    pub depth: usize,
+    /// Most children of a cluster.
+    pub max_degree: usize,
+    /// Triangles of all clusters.
+    pub triangles: usize,
+    /// Triangles of the root over all behaviours.
+    pub root_triangles: usize,
+    /// Bytes of vertices and indices.
+    pub geometry_bytes: usize,
+    /// Bytes of the clusters' behaviours and runs.
+    pub behaviour_bytes: usize,
+}
+
+impl Hdlod {
+    /// The children of a cluster.
+    pub fn children_of(&self, cluster: &Cluster) -> &[Node] {
+        &self.children[cluster.children.start as usize..cluster.children.end as usize]
+    }
+
+    /// Counts the tree.
+    pub fn stats(&self) -> Stats {
+        let mut depths: Vec<usize> = Vec::with_capacity(self.clusters.len());
+        let mut stats = Stats { clusters: self.clusters.len(), depth: 1, ..Stats::default() };
+        for cluster in &self.clusters {
+            let below = self.children_of(cluster).iter().map(|node| match node {
+                Node::Leaf(_) => 1,
+                Node::Cluster(i) => depths[*i as usize],
+            });
+            let depth = 1 + below.max().unwrap_or(0);
+            depths.push(depth);
+            stats.depth = stats.depth.max(depth);
+            stats.max_degree = stats.max_degree.max(cluster.children.len());
+            let runs: usize = cluster.layers.iter().map(|l| l.runs.len()).sum();
+            stats.behaviour_bytes += runs * size_of::<Run>()
+                + cluster.presence.values().len() * (size_of::<i64>() + size_of::<f32>());
+        }
+        stats.triangles = self.indices.len() / 3;
+        if let Some(Node::Cluster(root)) = self.root {
+            stats.root_triangles = self.clusters[root as usize].triangle_count();
+        }
+        stats.geometry_bytes =
+            std::mem::size_of_val(&self.vertices[..]) + std::mem::size_of_val(&self.indices[..]);
+        stats
+    }
 }
 
 /// An index range to draw.
@@ -68,17 +227,4 @@ pub struct Selection {
     pub triangles: u64,
     /// Largest certified error of a drawn cluster, physical pixels.
     pub worst_px: f32,
-}
-
-/// Builds the tree, bottom-up and in parallel, on the calling thread and rayon's pool.
-pub fn build(scene: &Scene, settings: &Settings, progress: &Progress) -> Result<Hdlod, Cancelled> {
-    let _ = (scene, settings);
-    progress.check()?;
-    Ok(Hdlod::default())
-}
-
-/// The cut of the tree for a view at a date: a pure function.
-pub fn select(scene: &Scene, hdlod: &Hdlod, view: &View, time: Time) -> Selection {
-    let _ = (scene, hdlod, view, time);
-    Selection::default()
 }

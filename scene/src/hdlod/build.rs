@@ -1,0 +1,283 @@
+//! Generation (Fig. 5; H11 to H15, R9): level by level, bottom-up.
+
+use super::cover::simplify;
+use super::grouping::group;
+use super::ladder::Ladder;
+use super::presence::PresenceTable;
+use super::soup::{Geometry, Palette, Triangle, append_instance};
+use super::{Cluster, Hdlod, LevelStats, Node, Settings, Temporal};
+use crate::{Aabb, Cancelled, ElementId, Progress, Scene};
+use rayon::prelude::*;
+use std::collections::BTreeSet;
+use topout_schedule::{Behaviour, StepFunction};
+
+/// A cluster is measured against those descendants whose own error is at most this share of its
+/// threshold: the chain of H5 then spends little, and the work stays that of a few levels.
+/// (Against the children: 1.5 to 1.7 times more triangles at the coarse end. Against the
+/// leaves: several times the work.)
+const SOURCE_SHARE: f32 = 0.2;
+
+/// A parent must draw at most this share of its children's triangles; otherwise they stay active
+/// and are tried again at the next, coarser level (H14: complexity falls with level).
+const WORTHWHILE: f32 = 0.75;
+
+/// A parent whose children together draw this few triangles is worth its single draw in any case.
+const FEW_TRIANGLES: usize = 64;
+
+/// A node under construction. Leaves carry no geometry: it is taken from the scene.
+struct Draft {
+    node: Node,
+    bounds: Aabb,
+    eps: f32,
+    gamma: f64,
+    weight: f64,
+    triangles: usize,
+    leaves: u32,
+    presence: StepFunction,
+    cluster: Option<Box<Inner>>,
+}
+
+struct Inner {
+    children: Vec<u32>,
+    geometry: Geometry,
+    level: u32,
+}
+
+/// Everything that stays fixed during a build.
+struct Ground<'a> {
+    scene: &'a Scene,
+    presence: PresenceTable<'a>,
+    palette: Palette,
+    temporal: Temporal,
+    ladder: Ladder,
+}
+
+/// Builds the tree on the calling thread and rayon's pool. The result does not depend on the
+/// number of threads.
+///
+/// # Errors
+/// Only when `progress` is cancelled.
+pub fn build(scene: &Scene, settings: &Settings, progress: &Progress) -> Result<Hdlod, Cancelled> {
+    progress.begin("HDLOD: leaves", 0)?;
+    let mut drafts = leaves(scene);
+    let total_bounds = drafts.iter().fold(Aabb::EMPTY, |b, d| b.union(&d.bounds));
+    let events: BTreeSet<_> = scene.behaviours.iter().flat_map(Behaviour::toggles).collect();
+    let sizes = drafts.iter().map(|d| d.weight as f32).collect();
+    let ground = Ground {
+        scene,
+        presence: PresenceTable::new(&scene.behaviours, settings.temporal == Temporal::Tight),
+        palette: Palette::new(&scene.model.materials),
+        temporal: settings.temporal,
+        ladder: Ladder::new(total_bounds.diameter(), sizes, events.len(), scene.schedule.period),
+    };
+
+    let mut active: Vec<u32> = (0..drafts.len() as u32).collect();
+    let mut stats = Vec::new();
+    let mut level = 0;
+    while active.len() > 1 {
+        level += 1;
+        // Once a group may be as large as the scene every pass divides the active nodes.
+        let merged = merge_level(&ground, level, &drafts, &active, progress)?;
+        let mut passive = vec![false; drafts.len()];
+        let mut parents = Vec::with_capacity(merged.len());
+        for draft in merged {
+            let inner = draft.cluster.as_ref().expect("merging makes clusters");
+            for &child in &inner.children {
+                passive[child as usize] = true;
+            }
+            parents.push(drafts.len() as u32);
+            drafts.push(draft);
+        }
+        active.retain(|&i| !passive[i as usize]);
+        active.extend_from_slice(&parents);
+        stats.push(LevelStats {
+            level,
+            eps_m: ground.ladder.eps_m(level),
+            clusters: parents.len(),
+            active: active.len(),
+            triangles: active.iter().map(|&i| drafts[i as usize].triangles).sum(),
+        });
+    }
+    progress.begin("HDLOD: tables", 0)?;
+    Ok(finish(drafts, active.first().copied(), settings, stats))
+}
+
+/// One leaf an element that is ever present (H4): its own behaviour, no error.
+fn leaves(scene: &Scene) -> Vec<Draft> {
+    let functions: Vec<StepFunction> = scene.behaviours.iter().map(StepFunction::from).collect();
+    let mut result = Vec::with_capacity(scene.model.elements.len());
+    for (i, element) in scene.model.elements.iter().enumerate() {
+        let id = ElementId(i as u32);
+        let behaviour = scene.element_behaviour[i];
+        let never = scene.behaviours[behaviour.index()] == Behaviour::never();
+        let triangles = scene.model.triangles_of(element);
+        if never || triangles == 0 {
+            continue;
+        }
+        result.push(Draft {
+            node: Node::Leaf(id),
+            bounds: element.bounds,
+            eps: 0.0,
+            gamma: 0.0,
+            // R2: the diameter of the object's box; sums over clusters.
+            weight: f64::from(element.bounds.diameter()),
+            triangles,
+            leaves: 1,
+            presence: functions[behaviour.index()].clone(),
+            cluster: None,
+        });
+    }
+    result
+}
+
+fn merge_level(
+    ground: &Ground,
+    level: u32,
+    drafts: &[Draft],
+    active: &[u32],
+    progress: &Progress,
+) -> Result<Vec<Draft>, Cancelled> {
+    let bounds: Vec<Aabb> = active.iter().map(|&i| drafts[i as usize].bounds).collect();
+    let gamma_limit = ground.ladder.gamma(level);
+    let period = ground.scene.schedule.period;
+    let groups = group(&bounds, ground.ladder.diameter_m(level), |a, b| match ground.temporal {
+        Temporal::Tight => Some(0.0),
+        Temporal::Paper => {
+            let (a, b) = (&drafts[active[a] as usize], &drafts[active[b] as usize]);
+            let apart = a.presence.mean_difference(&b.presence, period);
+            (apart <= gamma_limit).then_some(apart as f32)
+        }
+    });
+    let triangles_of = |members: &[u32]| -> usize {
+        members.iter().map(|&i| drafts[active[i as usize] as usize].triangles).sum()
+    };
+    let total: usize = groups.iter().map(|g| triangles_of(g)).sum();
+    progress.begin(&format!("HDLOD: level {level}, {} groups", groups.len()), total as u64)?;
+    let merged: Result<Vec<Option<Draft>>, Cancelled> = groups
+        .par_iter()
+        .map(|members| {
+            progress.check()?;
+            let children: Vec<u32> = members.iter().map(|&i| active[i as usize]).collect();
+            let parent = merge(ground, level, drafts, children);
+            progress.advance(triangles_of(members) as u64)?;
+            Ok(parent)
+        })
+        .collect();
+    Ok(merged?.into_iter().flatten().collect())
+}
+
+/// Makes the parent of `children`, if it meets the level's thresholds and is worth drawing.
+fn merge(ground: &Ground, level: u32, drafts: &[Draft], children: Vec<u32>) -> Option<Draft> {
+    let limit = ground.ladder.eps_m(level);
+    let members = || children.iter().map(|&i| &drafts[i as usize]);
+
+    // H6, H7: the mean behaviour and how far its parts are from it.
+    let presence = StepFunction::weighted_mean(members().map(|d| (d.weight, &d.presence)));
+    let period = ground.scene.schedule.period;
+    let gamma = members()
+        .map(|d| d.gamma + presence.mean_difference(&d.presence, period))
+        .fold(0.0, f64::max);
+    if ground.temporal == Temporal::Paper
+        && gamma > ground.ladder.gamma(level)
+        && !ground.ladder.is_beyond(level)
+    {
+        return None;
+    }
+
+    let mut source = Vec::new();
+    let mut source_eps = 0f32;
+    for &child in &children {
+        gather(ground, drafts, child, limit * SOURCE_SHARE, &mut source, &mut source_eps);
+    }
+    let simplified = simplify(&source, limit - source_eps, &ground.presence, &ground.palette);
+    let before: usize = members().map(|d| d.triangles).sum();
+    let after = simplified.triangles.len();
+    let worthwhile = after as f32 <= before as f32 * WORTHWHILE || before <= FEW_TRIANGLES;
+    if !worthwhile && !ground.ladder.is_beyond(level) {
+        return None;
+    }
+
+    // H5, with the descendants that were measured in place of the children; grows to the root.
+    let eps = members().map(|d| d.eps).fold(source_eps + simplified.distance_m, f32::max);
+    let geometry = Geometry::new(simplified.triangles, &ground.presence);
+    let drawn = Aabb::of_points(geometry.vertices.iter().map(|v| v.position.into()));
+    Some(Draft {
+        node: Node::Cluster(u32::MAX),
+        bounds: members().fold(drawn, |b, d| b.union(&d.bounds)),
+        eps,
+        gamma,
+        weight: members().map(|d| d.weight).sum(),
+        triangles: after,
+        leaves: members().map(|d| d.leaves).sum(),
+        presence,
+        cluster: Some(Box::new(Inner { children, geometry, level })),
+    })
+}
+
+/// Collects the geometry of the coarsest descendants whose error is at most `eps`.
+fn gather(
+    ground: &Ground,
+    drafts: &[Draft],
+    node: u32,
+    eps: f32,
+    out: &mut Vec<Triangle>,
+    worst: &mut f32,
+) {
+    let draft = &drafts[node as usize];
+    match (&draft.cluster, draft.node) {
+        (Some(inner), _) if draft.eps <= eps => {
+            inner.geometry.append_triangles(out);
+            *worst = worst.max(draft.eps);
+        }
+        (Some(inner), _) => {
+            for &child in &inner.children {
+                gather(ground, drafts, child, eps, out, worst);
+            }
+        }
+        (None, Node::Leaf(id)) => {
+            let model = &ground.scene.model;
+            let behaviour = ground.scene.element_behaviour[id.index()];
+            for instance in model.instances_of(&model.elements[id.index()]) {
+                append_instance(instance, &model.meshes[instance.mesh.index()], behaviour, out);
+            }
+        }
+        (None, Node::Cluster(_)) => unreachable!("a draft without a cluster is a leaf"),
+    }
+}
+
+/// Lays the drafts out in tables.
+fn finish(
+    drafts: Vec<Draft>,
+    root: Option<u32>,
+    settings: &Settings,
+    levels: Vec<LevelStats>,
+) -> Hdlod {
+    let mut nodes = Vec::with_capacity(drafts.len());
+    let mut result = Hdlod { temporal: settings.temporal, levels, ..Hdlod::default() };
+    for draft in drafts {
+        let Some(inner) = draft.cluster else {
+            nodes.push(draft.node);
+            continue;
+        };
+        nodes.push(Node::Cluster(result.clusters.len() as u32));
+        let first_child = result.children.len() as u32;
+        result.children.extend(inner.children.iter().map(|&c| nodes[c as usize]));
+        result.clusters.push(Cluster {
+            children: first_child..result.children.len() as u32,
+            bounds: draft.bounds,
+            eps: draft.eps,
+            gamma: draft.gamma,
+            weight: draft.weight,
+            presence: draft.presence,
+            level: inner.level,
+            leaves: draft.leaves,
+            first_index: result.indices.len() as u32,
+            base_vertex: result.vertices.len() as u32,
+            layers: inner.geometry.layers,
+        });
+        result.vertices.extend_from_slice(&inner.geometry.vertices);
+        result.indices.extend_from_slice(&inner.geometry.indices);
+    }
+    result.root = root.map(|r| nodes[r as usize]);
+    result
+}

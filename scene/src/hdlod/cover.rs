@@ -1,0 +1,396 @@
+//! Simplification that comes with its certificate: snap, then delete what is covered (H13, R10, R11).
+//!
+//! A quadric simplifier fails on building models: they are soups of thousands of small closed
+//! shells, its error figure says nothing of shells that vanish, and one that did fails the whole
+//! cluster. Here nothing is deleted without proof:
+//!
+//! 1. **Snap.** Corners move to the centres of a grid. On a triangle the movement is linear, so
+//!    the snapped triangle is within the largest corner movement `s` of the original, both ways.
+//! 2. **Cover.** A triangle T may be deleted when it is cut into pieces (a few midpoint
+//!    subdivisions) each of which has all its corners within `e` of one kept triangle. The
+//!    distance to a convex set is a convex function, so the piece's every point is within `e` of
+//!    it. The kept triangle must be present whenever T is; it is locked and never deleted.
+//!
+//! What is kept are snapped originals (or originals), so every kept point is within `s` of its own
+//! source; every source point is within `s + e` of something kept that is present whenever the
+//! source is. Hence D_H <= s + e at every date, the figure returned.
+
+use super::presence::PresenceTable;
+use super::soup::{Palette, Triangle};
+use crate::Aabb;
+use glam::{IVec3, Vec3};
+
+/// Share of the budget spent on moving corners to the grid; the rest is for covers.
+const SNAP_SHARE: f32 = 0.35;
+
+/// Midpoint subdivisions tried before a cover counts as not found.
+const SUBDIVISIONS: u32 = 3;
+
+/// Cells of the triangle index along the longest side.
+const INDEX_CELLS: f32 = 24.0;
+
+/// A simplified soup and how far it is from its source, in metres, at any date, both ways.
+pub(crate) struct Simplified {
+    pub triangles: Vec<Triangle>,
+    pub distance_m: f32,
+}
+
+/// Simplifies a soup within `budget_m`. The result's distance never exceeds it, apart from the
+/// rounding of 32-bit coordinates, which is counted in.
+pub(crate) fn simplify(
+    source: &[Triangle],
+    budget_m: f32,
+    presence: &PresenceTable,
+    palette: &Palette,
+) -> Simplified {
+    let bounds = Aabb::of_points(source.iter().flat_map(|t| t.corners));
+    let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
+    let slack = if source.is_empty() { 0.0 } else { reach * f32::EPSILON * 8.0 };
+    let snap_m = (budget_m - 2.0 * slack) * SNAP_SHARE;
+    if source.is_empty() || snap_m <= 0.0 {
+        return Simplified { triangles: source.to_vec(), distance_m: slack };
+    }
+
+    let mut work = Work::snapped(source, snap_m);
+    let cover_m = budget_m - work.moved_m - 2.0 * slack;
+    work.index(cover_m);
+    work.delete_collapsed(source, cover_m, presence);
+    work.delete_covered(cover_m, presence, palette);
+    let distance_m = work.moved_m + work.worst_cover_m + 2.0 * slack;
+    let triangles = work.finish();
+    Simplified { triangles, distance_m }
+}
+
+/// One triangle prepared for distance queries.
+struct Item {
+    triangle: Triangle,
+    bounds: Aabb,
+    normal: Vec3,
+    area: f32,
+    dead: bool,
+    locked: bool,
+}
+
+impl Item {
+    fn new(triangle: Triangle) -> Self {
+        let cross = triangle.cross();
+        Self {
+            triangle,
+            bounds: Aabb::of_points(triangle.corners),
+            normal: cross.normalize_or_zero(),
+            area: cross.length() * 0.5,
+            dead: false,
+            locked: false,
+        }
+    }
+}
+
+struct Work {
+    items: Vec<Item>,
+    /// Snapped triangles without area, with their place in the source.
+    collapsed: Vec<(Triangle, usize)>,
+    grid: Grid,
+    moved_m: f32,
+    worst_cover_m: f32,
+}
+
+impl Work {
+    /// Moves corners by at most `snap_m` and sets aside what lost its area.
+    fn snapped(source: &[Triangle], snap_m: f32) -> Self {
+        // A point of a cube is at most half the diagonal from its centre.
+        let cell = 2.0 * snap_m / 3f32.sqrt();
+        let mut items = Vec::with_capacity(source.len() / 2);
+        let mut collapsed = Vec::new();
+        let mut moved_m = 0f32;
+        for (place, original) in source.iter().enumerate() {
+            let mut triangle = *original;
+            for corner in &mut triangle.corners {
+                // The grid is the same for all clusters, so neighbours meet where they met.
+                let snapped = ((*corner / cell).floor() + 0.5) * cell;
+                moved_m = moved_m.max(snapped.distance(*corner));
+                *corner = snapped;
+            }
+            // Corners on a grid: either the height is of the order of a cell or it is rounding.
+            if triangle.area() * 2.0 <= triangle.diameter() * cell * 1e-2 {
+                collapsed.push((triangle, place));
+            } else {
+                items.push(Item::new(triangle));
+            }
+        }
+        items.sort_by(|a, b| b.area.total_cmp(&a.area));
+        Self { items, collapsed, grid: Grid::default(), moved_m, worst_cover_m: 0.0 }
+    }
+
+    fn index(&mut self, radius: f32) {
+        let mut bounds = self.items.iter().fold(Aabb::EMPTY, |b, i| b.union(&i.bounds));
+        for (t, _) in &self.collapsed {
+            bounds = bounds.union(&Aabb::of_points(t.corners));
+        }
+        self.grid = Grid::new(&bounds.grown(radius), radius);
+        for (i, item) in self.items.iter().enumerate() {
+            self.grid.insert(i as u32, &item.bounds);
+        }
+    }
+
+    /// Deletes what collapsed to lines and points; where nothing covers it, the original comes
+    /// back and may cover the others. Largest first, so that few come back.
+    fn delete_collapsed(&mut self, source: &[Triangle], radius: f32, presence: &PresenceTable) {
+        let mut collapsed = std::mem::take(&mut self.collapsed);
+        collapsed.sort_by(|a, b| source[b.1].area().total_cmp(&source[a.1].area()));
+        for (triangle, place) in collapsed {
+            let covered = self.cover(&triangle, None, radius, &|c| {
+                c.layer == triangle.layer && presence.includes(c.behaviour, triangle.behaviour)
+            });
+            if !covered && source[place].area() > 0.0 {
+                let mut item = Item::new(source[place]);
+                item.locked = true;
+                self.grid.insert(self.items.len() as u32, &item.bounds);
+                self.items.push(item);
+            }
+        }
+    }
+
+    /// Deletes covered triangles, smallest first.
+    fn delete_covered(&mut self, radius: f32, presence: &PresenceTable, palette: &Palette) {
+        for i in (0..self.items.len()).rev() {
+            if self.items[i].locked {
+                continue;
+            }
+            let triangle = self.items[i].triangle;
+            // What is smaller than the error may take any colour.
+            let tiny = triangle.diameter() <= 2.0 * radius;
+            self.items[i].dead = self.cover(&triangle, Some(i as u32), radius, &|c| {
+                c.layer == triangle.layer
+                    && (tiny || palette.alike(c.material, triangle.material))
+                    && presence.includes(c.behaviour, triangle.behaviour)
+            });
+        }
+    }
+
+    /// Whether kept triangles that `may` allows cover the triangle; if so they are locked.
+    fn cover(
+        &mut self,
+        triangle: &Triangle,
+        own: Option<u32>,
+        radius: f32,
+        may: &dyn Fn(&Triangle) -> bool,
+    ) -> bool {
+        let mut query = Query {
+            items: &self.items,
+            grid: &self.grid,
+            own,
+            radius,
+            may,
+            found: Vec::new(),
+            worst: 0.0,
+        };
+        if !query.piece(triangle.corners, SUBDIVISIONS) {
+            return false;
+        }
+        let Query { found, worst, .. } = query;
+        self.worst_cover_m = self.worst_cover_m.max(worst);
+        for i in found {
+            self.items[i as usize].locked = true;
+        }
+        true
+    }
+
+    fn finish(self) -> Vec<Triangle> {
+        self.items.into_iter().filter(|i| !i.dead).map(|i| i.triangle).collect()
+    }
+}
+
+struct Query<'a> {
+    items: &'a [Item],
+    grid: &'a Grid,
+    own: Option<u32>,
+    radius: f32,
+    may: &'a dyn Fn(&Triangle) -> bool,
+    found: Vec<u32>,
+    worst: f32,
+}
+
+impl Query<'_> {
+    /// Covers a piece by one triangle or by covering its four parts.
+    fn piece(&mut self, corners: [Vec3; 3], depth: u32) -> bool {
+        let nearest = self.near(corners[0]);
+        match nearest.whole(self, corners) {
+            Some((i, distance)) => {
+                self.worst = self.worst.max(distance);
+                if !self.found.contains(&i) {
+                    self.found.push(i);
+                }
+                true
+            }
+            None if depth == 0 || !nearest.any => false,
+            None => {
+                let [a, b, c] = corners;
+                let (ab, bc, ca) = ((a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5);
+                // The outer parts first: they hold the corners, where covers fail.
+                self.piece([b, bc, ab], depth - 1)
+                    && self.piece([c, ca, bc], depth - 1)
+                    && self.piece([a, ab, ca], depth - 1)
+                    && self.piece([ab, bc, ca], depth - 1)
+            }
+        }
+    }
+
+    fn near(&self, point: Vec3) -> Near {
+        let mut near = Near { candidates: [(0, 0.0); Near::KEPT], count: 0, any: false };
+        let radius = self.radius;
+        self.grid.visit(point, radius, |i| {
+            let item = &self.items[i as usize];
+            if item.dead || Some(i) == self.own {
+                return;
+            }
+            let gap = (item.bounds.min - point).max(point - item.bounds.max);
+            if gap.max_element() > radius {
+                return;
+            }
+            let plane = item.normal.dot(point - item.triangle.corners[0]);
+            if plane.abs() > radius {
+                return;
+            }
+            let distance = distance_to_triangle(point, item.triangle.corners);
+            if distance <= radius && (self.may)(&item.triangle) {
+                near.offer(i, distance, item.locked);
+            }
+        });
+        near
+    }
+}
+
+/// Triangles near a piece's first corner: locked ones first, then by area.
+struct Near {
+    candidates: [(u32, f32); Self::KEPT],
+    count: usize,
+    any: bool,
+}
+
+impl Near {
+    const KEPT: usize = 24;
+
+    fn offer(&mut self, index: u32, distance: f32, locked: bool) {
+        self.any = true;
+        if self.candidates[..self.count].iter().any(|c| c.0 == index) {
+            return;
+        }
+        if locked {
+            // Locked ones cost nothing more: to the front.
+            if self.count < Self::KEPT {
+                self.count += 1;
+            }
+            self.candidates[..self.count].rotate_right(1);
+            self.candidates[0] = (index, distance);
+        } else if self.count < Self::KEPT {
+            self.candidates[self.count] = (index, distance);
+            self.count += 1;
+        }
+    }
+
+    /// The first candidate that has the other two corners within reach too.
+    fn whole(&self, query: &Query, corners: [Vec3; 3]) -> Option<(u32, f32)> {
+        self.candidates[..self.count].iter().find_map(|&(i, first)| {
+            let item = &query.items[i as usize];
+            let second = distance_to_triangle(corners[1], item.triangle.corners);
+            if second > query.radius {
+                return None;
+            }
+            let third = distance_to_triangle(corners[2], item.triangle.corners);
+            (third <= query.radius).then_some((i, first.max(second).max(third)))
+        })
+    }
+}
+
+/// Triangles by the cells that their boxes touch.
+#[derive(Default)]
+struct Grid {
+    min: Vec3,
+    cell: f32,
+    counts: IVec3,
+    cells: Vec<Vec<u32>>,
+}
+
+impl Grid {
+    fn new(bounds: &Aabb, radius: f32) -> Self {
+        let size = bounds.size();
+        let cell = (2.0 * radius).max(size.max_element() / INDEX_CELLS).max(f32::MIN_POSITIVE);
+        let counts = (size / cell).as_ivec3() + IVec3::ONE;
+        let cells = vec![Vec::new(); counts.element_product() as usize];
+        Self { min: bounds.min, cell, counts, cells }
+    }
+
+    fn range(&self, min: Vec3, max: Vec3) -> (IVec3, IVec3) {
+        let last = self.counts - IVec3::ONE;
+        let place =
+            |p: Vec3| ((p - self.min) / self.cell).floor().as_ivec3().clamp(IVec3::ZERO, last);
+        (place(min), place(max))
+    }
+
+    fn slot(&self, x: i32, y: i32, z: i32) -> usize {
+        ((z * self.counts.y + y) * self.counts.x + x) as usize
+    }
+
+    fn insert(&mut self, index: u32, bounds: &Aabb) {
+        let (from, to) = self.range(bounds.min, bounds.max);
+        for z in from.z..=to.z {
+            for y in from.y..=to.y {
+                for x in from.x..=to.x {
+                    let slot = self.slot(x, y, z);
+                    self.cells[slot].push(index);
+                }
+            }
+        }
+    }
+
+    fn visit(&self, point: Vec3, radius: f32, mut each: impl FnMut(u32)) {
+        let (from, to) = self.range(point - radius, point + radius);
+        for z in from.z..=to.z {
+            for y in from.y..=to.y {
+                for x in from.x..=to.x {
+                    for &i in &self.cells[self.slot(x, y, z)] {
+                        each(i);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Distance from a point to a triangle (Ericson, "Real-Time Collision Detection", 5.1.5).
+pub(crate) fn distance_to_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
+    let (ab, ac, ap) = (b - a, c - a, p - a);
+    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return ap.length();
+    }
+    let bp = p - b;
+    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
+    if d3 >= 0.0 && d4 <= d3 {
+        return bp.length();
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 > d3 {
+        return (ap - ab * (d1 / (d1 - d3))).length();
+    }
+    let cp = p - c;
+    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
+    if d6 >= 0.0 && d5 <= d6 {
+        return cp.length();
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 > d6 {
+        return (ap - ac * (d2 / (d2 - d6))).length();
+    }
+    let va = d3 * d6 - d5 * d4;
+    let (e1, e2) = (d4 - d3, d5 - d6);
+    if va <= 0.0 && e1 >= 0.0 && e2 >= 0.0 && e1 + e2 > 0.0 {
+        return (bp - (c - b) * (e1 / (e1 + e2))).length();
+    }
+    let sum = va + vb + vc;
+    if sum <= 0.0 {
+        // Degenerate in rounding: the nearest corner is an upper bound.
+        return ap.length().min(bp.length()).min(cp.length());
+    }
+    (ap - ab * (vb / sum) - ac * (vc / sum)).length()
+}

@@ -1,0 +1,113 @@
+//! Display (Fig. 4; H8, H9 with R1, R5 to R8): the cut of the tree for a view at a date.
+
+use super::{Cluster, Hdlod, Node, Selection, Span, Temporal};
+use crate::{Containment, ElementId, Frustum, Layer, Scene, View};
+use topout_schedule::Time;
+
+/// delta_c(t) of H8 in metres, with the additive w of R2: what drawing (f >= 1/2) or leaving out
+/// (f < 1/2) the cluster gets wrong, by the paper's figure of merit.
+pub fn delta_m(cluster: &Cluster, share_present: f32) -> f32 {
+    let missing = |share: f32| cluster.eps + (f64::from(share) * cluster.weight) as f32;
+    match share_present {
+        f if f <= 0.0 => 0.0,
+        f if f >= 1.0 => cluster.eps,
+        f if f >= 0.5 => missing(1.0 - f),
+        f => missing(f),
+    }
+}
+
+/// What to draw for a view at a date: a pure function of its arguments (H9, H10).
+///
+/// Tight: a cluster is good enough when its eps is at most the tolerance on the picture; what it
+/// draws then is exact in time (R11). Paper: delta decides, and the cluster is drawn whole or
+/// left out (R1). A leaf that is present is drawn (R6).
+pub fn select(scene: &Scene, hdlod: &Hdlod, view: &View, time: Time) -> Selection {
+    let mut walk =
+        Walk { scene, hdlod, view, frustum: view.frustum(), time, out: Selection::default() };
+    if let Some(root) = hdlod.root {
+        walk.node(root, false);
+    }
+    walk.out
+}
+
+struct Walk<'a> {
+    scene: &'a Scene,
+    hdlod: &'a Hdlod,
+    view: &'a View,
+    frustum: Frustum,
+    time: Time,
+    out: Selection,
+}
+
+impl Walk<'_> {
+    /// The depth of the recursion is the number of levels: at most some dozens.
+    fn node(&mut self, node: Node, inside: bool) {
+        self.out.visited += 1;
+        match node {
+            Node::Leaf(element) => self.leaf(element, inside),
+            Node::Cluster(i) => self.cluster(&self.hdlod.clusters[i as usize], inside),
+        }
+    }
+
+    fn leaf(&mut self, id: ElementId, inside: bool) {
+        let element = &self.scene.model.elements[id.index()];
+        if !self.scene.behaviour(id).at(self.time) {
+            return;
+        }
+        if !inside && self.frustum.test(&element.bounds) == Containment::Outside {
+            return;
+        }
+        self.out.elements.push(id);
+        self.out.triangles += self.scene.model.triangles_of(element) as u64;
+    }
+
+    fn cluster(&mut self, cluster: &Cluster, mut inside: bool) {
+        let share = cluster.presence.at(self.time);
+        if share <= 0.0 {
+            return;
+        }
+        if !inside {
+            match self.frustum.test(&cluster.bounds) {
+                Containment::Outside => return,
+                Containment::Partly => {}
+                Containment::Inside => inside = true,
+            }
+        }
+        let delta = match self.hdlod.temporal {
+            Temporal::Tight => cluster.eps,
+            Temporal::Paper => delta_m(cluster, share),
+        };
+        let error_px = self.view.error_px(delta, &cluster.bounds);
+        if error_px > self.view.tolerance_px {
+            for i in cluster.children.clone() {
+                self.node(self.hdlod.children[i as usize], inside);
+            }
+            return;
+        }
+        self.out.worst_px = self.out.worst_px.max(error_px);
+        self.draw(cluster, share);
+    }
+
+    fn draw(&mut self, cluster: &Cluster, share: f32) {
+        let before = self.out.spans.len();
+        for (runs, layer) in cluster.layers.iter().zip([Layer::Opaque, Layer::Transparent]) {
+            let mut emit = |from: u32, to: u32| {
+                self.out.triangles += u64::from(to - from) / 3;
+                self.out.spans.push(Span {
+                    first_index: cluster.first_index + from,
+                    index_count: to - from,
+                    base_vertex: cluster.base_vertex,
+                    layer,
+                });
+            };
+            match self.hdlod.temporal {
+                Temporal::Tight => runs.present(&self.scene.behaviours, self.time, emit),
+                Temporal::Paper if share >= 0.5 && runs.start < runs.end() => {
+                    emit(runs.start, runs.end())
+                }
+                Temporal::Paper => {}
+            }
+        }
+        self.out.clusters += u32::from(self.out.spans.len() > before);
+    }
+}

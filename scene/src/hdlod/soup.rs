@@ -1,0 +1,235 @@
+//! Triangles that carry the behaviour of what they stand for, and the geometry of one cluster.
+
+use super::presence::PresenceTable;
+use crate::{BehaviourId, Instance, Layer, Material, Mesh, Vertex, decode_normal, encode_normal};
+use glam::{Mat3, Vec3};
+use std::collections::HashMap;
+use topout_schedule::{Behaviour, Time};
+
+/// One triangle of a soup (H1) in local space, with the behaviour of the leaves it stands for.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) struct Triangle {
+    pub corners: [Vec3; 3],
+    pub normals: [[i8; 2]; 3],
+    pub material: u16,
+    pub layer: Layer,
+    pub behaviour: BehaviourId,
+}
+
+impl Triangle {
+    /// Twice the area times the unit normal.
+    pub fn cross(&self) -> Vec3 {
+        let [a, b, c] = self.corners;
+        (b - a).cross(c - a)
+    }
+
+    pub fn area(&self) -> f32 {
+        self.cross().length() * 0.5
+    }
+
+    /// Length of the longest edge.
+    pub fn diameter(&self) -> f32 {
+        let [a, b, c] = self.corners;
+        a.distance(b).max(b.distance(c)).max(c.distance(a))
+    }
+}
+
+/// Appends the triangles of a placed mesh.
+pub(crate) fn append_instance(
+    instance: &Instance,
+    mesh: &Mesh,
+    behaviour: BehaviourId,
+    out: &mut Vec<Triangle>,
+) {
+    let transform = &instance.world_from_mesh;
+    let linear = Mat3::from(transform.matrix3);
+    // Cofactors: the inverse transpose up to scale, also where the transform flattens.
+    let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
+    let normal_from_mesh = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
+    for (i, triple) in mesh.indices.chunks_exact(3).enumerate() {
+        let vertices = [0, 1, 2].map(|k| mesh.vertices[triple[k] as usize]);
+        out.push(Triangle {
+            corners: vertices.map(|v| transform.transform_point3(Vec3::from(v.position))),
+            normals: vertices.map(|v| encode_normal(normal_from_mesh * decode_normal(v.normal))),
+            material: vertices[0].material,
+            layer: if i * 3 < mesh.opaque as usize { Layer::Opaque } else { Layer::Transparent },
+            behaviour,
+        });
+    }
+}
+
+/// Triangles of one behaviour in a cluster's index table, `end` being one past the last.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Run {
+    /// When these triangles are drawn: exactly while this behaviour is present (R11).
+    pub behaviour: BehaviourId,
+    /// First instant of presence.
+    pub on: Time,
+    /// First instant after the last presence.
+    pub off: Time,
+    /// One past the run's last index, relative to the cluster's first.
+    pub end: u32,
+}
+
+/// Runs of one layer, sorted so that the usual behaviours need no look at each run.
+///
+/// Rule: runs `[..installed]` stay to the end once they came and are sorted by `on` rising, so
+/// those present at t are a prefix; runs `[installed..removed]` were there from the beginning
+/// and are sorted by `off` falling, again a prefix; the rest is asked one by one.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub(crate) struct LayerRuns {
+    pub runs: Vec<Run>,
+    pub installed: usize,
+    pub removed: usize,
+    /// First index of the layer, relative to the cluster's first.
+    pub start: u32,
+}
+
+impl LayerRuns {
+    fn start_of(&self, run: usize) -> u32 {
+        if run == 0 { self.start } else { self.runs[run - 1].end }
+    }
+
+    /// One past the layer's last index.
+    pub fn end(&self) -> u32 {
+        self.start_of(self.runs.len())
+    }
+
+    /// Calls `emit(start, end)` for the index ranges present at `time`, neighbours joined.
+    pub fn present(&self, behaviours: &[Behaviour], time: Time, mut emit: impl FnMut(u32, u32)) {
+        let came = self.runs[..self.installed].partition_point(|r| r.on <= time);
+        let mut pending = (self.start, self.start_of(came));
+        let mut add = |from: u32, to: u32| {
+            if from == pending.1 {
+                pending.1 = to;
+            } else {
+                if pending.0 < pending.1 {
+                    emit(pending.0, pending.1);
+                }
+                pending = (from, to);
+            }
+        };
+        let stay = self.installed
+            + self.runs[self.installed..self.removed].partition_point(|r| r.off > time);
+        if stay > self.installed {
+            add(self.start_of(self.installed), self.start_of(stay));
+        }
+        for i in self.removed..self.runs.len() {
+            let run = &self.runs[i];
+            if run.on <= time && time < run.off && behaviours[run.behaviour.index()].at(time) {
+                add(self.start_of(i), run.end);
+            }
+        }
+        add(u32::MAX, u32::MAX);
+    }
+}
+
+/// What a cluster draws, ready for the tables of [`super::Hdlod`].
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Geometry {
+    pub vertices: Vec<Vertex>,
+    pub indices: Vec<u32>,
+    pub layers: [LayerRuns; 2],
+}
+
+impl Geometry {
+    /// Sorts triangles into runs and shares equal vertices.
+    pub fn new(mut triangles: Vec<Triangle>, presence: &PresenceTable) -> Self {
+        // (layer, class, time, behaviour): the order that `LayerRuns` promises.
+        let key = |t: &Triangle| {
+            let hull = presence.hull(t.behaviour);
+            let (class, order) = match (hull.solid, hull.on, hull.off) {
+                (true, on, Time::MAX) => (0, on.seconds()),
+                (true, Time::MIN, off) => (1, -off.seconds()),
+                (_, on, _) => (2, on.seconds()),
+            };
+            (t.layer, class, order, t.behaviour, t.material)
+        };
+        triangles.sort_by_cached_key(key);
+        let mut result =
+            Self { indices: Vec::with_capacity(triangles.len() * 3), ..Self::default() };
+        let mut known: HashMap<([u32; 3], [i8; 2], u16), u32> = HashMap::new();
+        let mut next = 0;
+        for (slot, layer) in [Layer::Opaque, Layer::Transparent].into_iter().enumerate() {
+            let mut runs = LayerRuns { start: result.indices.len() as u32, ..LayerRuns::default() };
+            while let Some(first) = triangles.get(next).filter(|t| t.layer == layer) {
+                let behaviour = first.behaviour;
+                while let Some(t) =
+                    triangles.get(next).filter(|t| t.layer == layer && t.behaviour == behaviour)
+                {
+                    for k in 0..3 {
+                        let position = t.corners[k].to_array();
+                        let id = (position.map(f32::to_bits), t.normals[k], t.material);
+                        let index = *known.entry(id).or_insert_with(|| {
+                            result.vertices.push(Vertex {
+                                position,
+                                normal: t.normals[k],
+                                material: t.material,
+                            });
+                            result.vertices.len() as u32 - 1
+                        });
+                        result.indices.push(index);
+                    }
+                    next += 1;
+                }
+                let hull = presence.hull(behaviour);
+                let class = key(first).1;
+                runs.runs.push(Run {
+                    behaviour,
+                    on: hull.on,
+                    off: hull.off,
+                    end: result.indices.len() as u32,
+                });
+                runs.installed += usize::from(class == 0);
+                runs.removed += usize::from(class <= 1);
+            }
+            result.layers[slot] = runs;
+        }
+        result
+    }
+
+    /// Appends the triangles again, as they were given.
+    pub fn append_triangles(&self, out: &mut Vec<Triangle>) {
+        for (slot, layer) in [Layer::Opaque, Layer::Transparent].into_iter().enumerate() {
+            let mut start = self.layers[slot].start;
+            for run in &self.layers[slot].runs {
+                for triple in self.indices[start as usize..run.end as usize].chunks_exact(3) {
+                    let v = [0, 1, 2].map(|k| self.vertices[triple[k] as usize]);
+                    out.push(Triangle {
+                        corners: v.map(|v| Vec3::from(v.position)),
+                        normals: v.map(|v| v.normal),
+                        material: v[0].material,
+                        layer,
+                        behaviour: run.behaviour,
+                    });
+                }
+                start = run.end;
+            }
+        }
+    }
+}
+
+/// Colours of materials in a roughly perceptual space, to ask whether one may stand for another.
+pub(crate) struct Palette {
+    colors: Vec<Vec3>,
+}
+
+impl Palette {
+    /// Largest distance (in gamma-encoded RGB, each in [0, 1]) at which two surfaces look alike.
+    const ALIKE: f32 = 0.12;
+
+    pub fn new(materials: &[Material]) -> Self {
+        let encode = |c: f32| c.clamp(0.0, 1.0).powf(1.0 / 2.2);
+        let colors = materials
+            .iter()
+            .map(|m| Vec3::new(encode(m.color[0]), encode(m.color[1]), encode(m.color[2])))
+            .collect();
+        Self { colors }
+    }
+
+    /// Whether a triangle of one material may be covered by one of the other at any size.
+    pub fn alike(&self, a: u16, b: u16) -> bool {
+        let color = |m: u16| self.colors.get(usize::from(m)).copied().unwrap_or(Vec3::ONE);
+        a == b || color(a).distance(color(b)) <= Self::ALIKE
+    }
+}
