@@ -75,10 +75,12 @@ impl Behaviour {
         other.toggles.iter().chain(self.toggles.iter()).all(|&t| !other.at(t) || self.at(t))
     }
 
-    /// Which standard behaviour this is within `period` (H2).
+    /// Which standard behaviour this is on [0, T], both ends included (H2): what is removed when
+    /// the period ends was removed, what is there when it starts was not installed.
     pub fn preset(&self, period: TimeRange) -> Preset {
         let first = self.at(period.start);
-        let inside = self.toggles.iter().filter(|&&t| period.start < t && t < period.end).count();
+        let until = |end| self.toggles.partition_point(|&t| t <= end);
+        let inside = until(period.end).saturating_sub(until(period.start));
         match (first, inside) {
             (true, 0) => Preset::Static,
             (false, 0) => Preset::Absent,
@@ -176,7 +178,7 @@ impl StepFunction {
             let next_b = other.times.get(j).copied().unwrap_or(Time::MAX);
             let until = next_a.min(next_b).min(period.end);
             let difference = f64::from(self.values[i]) - f64::from(other.values[j]);
-            area += difference.abs() * (until.seconds() - from.seconds()) as f64;
+            area += difference.abs() * until.seconds().saturating_sub(from.seconds()) as f64;
             i += usize::from(next_a == until);
             j += usize::from(next_b == until);
             from = until;

@@ -1,6 +1,7 @@
 //! Activities and the schedule that holds them.
 
-use crate::{Diagnostics, Time, TimeRange};
+use crate::{Diagnostics, Severity, Time, TimeRange};
+use std::collections::{HashMap, HashSet};
 
 /// What an activity does to the elements it is linked to.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
@@ -16,8 +17,30 @@ pub enum ActivityKind {
     Neutral,
 }
 
+impl ActivityKind {
+    /// The words that schedules use, the one that is written first.
+    pub const WORDS: [(&'static str, ActivityKind); 6] = [
+        ("construct", ActivityKind::Construct),
+        ("demolish", ActivityKind::Demolish),
+        ("temporary", ActivityKind::Temporary),
+        ("neutral", ActivityKind::Neutral),
+        ("inspect", ActivityKind::Neutral),
+        ("maintain", ActivityKind::Neutral),
+    ];
+
+    /// The kind that a word in a schedule means, in whatever case.
+    pub fn from_word(word: &str) -> Option<Self> {
+        Self::WORDS.iter().find(|(w, _)| w.eq_ignore_ascii_case(word)).map(|&(_, kind)| kind)
+    }
+
+    /// The word that schedules use.
+    pub fn word(self) -> &'static str {
+        Self::WORDS.iter().find(|&&(_, k)| k == self).expect("every kind has a word").0
+    }
+}
+
 /// One leaf task.
-#[derive(Clone, PartialEq, Debug, Default)]
+#[derive(Clone, PartialEq, Debug)]
 pub struct Activity {
     /// Unique within the schedule.
     pub id: String,
@@ -37,6 +60,30 @@ pub struct Activity {
     pub fields: Vec<(String, String)>,
 }
 
+impl Default for Activity {
+    /// A construct activity that happens, without dates.
+    fn default() -> Self {
+        Self {
+            id: String::new(),
+            name: String::new(),
+            start: None,
+            end: None,
+            kind: ActivityKind::default(),
+            active: true,
+            elements: Vec::new(),
+            fields: Vec::new(),
+        }
+    }
+}
+
+impl Activity {
+    /// When it lasts: both dates, unless one is missing or the end precedes the start.
+    pub fn dates(&self) -> Option<TimeRange> {
+        let (start, end) = (self.start?, self.end?);
+        (start <= end).then_some(TimeRange { start, end })
+    }
+}
+
 /// Validated activities of one project.
 #[derive(Clone, Debug, Default)]
 pub struct Schedule {
@@ -46,6 +93,139 @@ pub struct Schedule {
     pub period: TimeRange,
     /// Leaf tasks in file order.
     pub activities: Vec<Activity>,
+    /// What else the file said of the project, kept in the file's order.
+    pub fields: Vec<(String, String)>,
     /// What was found while reading.
     pub diagnostics: Diagnostics,
+}
+
+impl Schedule {
+    /// Validates activities; what is wrong is added to `diagnostics`.
+    ///
+    /// Ids are unique afterwards: of several activities with one id the first stays. Activities
+    /// without an id are left out, those without usable dates stay but have no [`Activity::dates`].
+    /// No activity names an element twice. Without a period, or with one that ends before it
+    /// starts, the period runs from the first start to the last end of the usable dates.
+    pub fn new(
+        project: String,
+        period: Option<TimeRange>,
+        activities: Vec<Activity>,
+        diagnostics: Diagnostics,
+    ) -> Schedule {
+        let origin = |i: usize| Origin { place: format!("activity {}", i + 1), reported: false };
+        let period = (period.map(|p| p.start), period.map(|p| p.end));
+        Self::validate(project, period, activities, origin, diagnostics)
+    }
+
+    /// [`Schedule::new`] for activities that come from somewhere: `origin(i)` tells of the i-th.
+    pub(crate) fn validate(
+        project: String,
+        (start, end): (Option<Time>, Option<Time>),
+        mut activities: Vec<Activity>,
+        origin: impl Fn(usize) -> Origin,
+        mut diagnostics: Diagnostics,
+    ) -> Schedule {
+        let keep = unique_ids(&activities, &origin, &mut diagnostics);
+        for (i, activity) in activities.iter_mut().enumerate().filter(|&(i, _)| keep[i]) {
+            remove_repeats(&mut activity.elements);
+            check_dates(activity, &origin, i, &mut diagnostics);
+        }
+        let mut kept = keep.into_iter();
+        activities.retain(|_| kept.next().unwrap_or(true));
+
+        let dates = || activities.iter().filter_map(Activity::dates);
+        let first = dates().map(|d| d.start).min();
+        let last = dates().map(|d| d.end).max();
+        let mut period = TimeRange {
+            start: start.or(first).or(end).unwrap_or_default(),
+            end: end.or(last).or(start).unwrap_or_default(),
+        };
+        if period.end < period.start {
+            diagnostics.add(Severity::Error, "reversed-project", "project", || {
+                format!("the project ends {} before its start {}", period.end, period.start)
+            });
+            period = TimeRange {
+                start: first.unwrap_or(period.start),
+                end: last.unwrap_or(period.start),
+            };
+        }
+        Schedule { project, period, activities, fields: Vec::new(), diagnostics }
+    }
+}
+
+/// Where an activity comes from, for what is said of it.
+pub(crate) struct Origin {
+    /// In words: file and line.
+    pub(crate) place: String,
+    /// Something was already said of its dates.
+    pub(crate) reported: bool,
+}
+
+/// Which activities have an id that none before them has.
+fn unique_ids(
+    activities: &[Activity],
+    origin: &impl Fn(usize) -> Origin,
+    diagnostics: &mut Diagnostics,
+) -> Vec<bool> {
+    let mut first_with_id: HashMap<&str, usize> = HashMap::with_capacity(activities.len());
+    let mut keep = vec![true; activities.len()];
+    for (i, activity) in activities.iter().enumerate() {
+        let id = activity.id.as_str();
+        if id.is_empty() {
+            keep[i] = false;
+            let place = origin(i).place;
+            diagnostics.add(Severity::Error, "missing-id", place.clone(), || {
+                format!("{place}: an activity without an id ({:?}) is left out", activity.name)
+            });
+        } else if let Some(&first) = first_with_id.get(id) {
+            keep[i] = false;
+            diagnostics.add(Severity::Error, "duplicate-id", id, || {
+                let (here, there) = (origin(i).place, origin(first).place);
+                format!("{here}: the id {id:?} was used before, at {there}; the first one counts")
+            });
+        } else {
+            first_with_id.insert(id, i);
+        }
+    }
+    keep
+}
+
+/// Reports dates that presence will ignore.
+fn check_dates(
+    activity: &Activity,
+    origin: &impl Fn(usize) -> Origin,
+    index: usize,
+    diagnostics: &mut Diagnostics,
+) {
+    let id = &activity.id;
+    match (activity.start, activity.end) {
+        (Some(start), Some(end)) if end < start => {
+            diagnostics.add(Severity::Error, "end-before-start", id, || {
+                let place = origin(index).place;
+                format!("{place}: activity {id:?} ends {end} before its start {start}; ignored")
+            });
+        }
+        (Some(_), Some(_)) => {}
+        (start, _) => {
+            let Origin { place, reported } = origin(index);
+            if !reported {
+                let missing = if start.is_some() { "end" } else { "start" };
+                diagnostics.add(Severity::Warning, "no-dates", id, || {
+                    format!("{place}: activity {id:?} has no {missing}; ignored")
+                });
+            }
+        }
+    }
+}
+
+/// Removes empty names, and all but the first of equal ones.
+pub(crate) fn remove_repeats(names: &mut Vec<String>) {
+    if names.len() == 1 && !names[0].is_empty() {
+        return;
+    }
+    let mut seen = HashSet::with_capacity(names.len());
+    let keep: Vec<bool> =
+        names.iter().map(|name| !name.is_empty() && seen.insert(name.as_str())).collect();
+    let mut keep = keep.into_iter();
+    names.retain(|_| keep.next().unwrap_or(true));
 }

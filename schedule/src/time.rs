@@ -49,7 +49,7 @@ impl Time {
     }
 
     /// Reads an ISO 8601 date (00:00 is meant) or date and time; a space may stand for the `T`,
-    /// seconds may be missing. A zone is refused.
+    /// seconds may be missing, fractions of a second are cut off. A zone is refused.
     pub fn parse_iso(text: &str) -> Result<Self, TimeError> {
         let (time, _) = parse_iso(text)?;
         Ok(time)
@@ -59,18 +59,49 @@ impl Time {
 /// Like [`Time::parse_iso`]; also says whether the text was a date without a time of day.
 pub(crate) fn parse_iso(text: &str) -> Result<(Time, bool), TimeError> {
     let text = text.trim();
-    if let Ok(date) = NaiveDate::parse_from_str(text, "%Y-%m-%d") {
-        return Ok((Time::from_civil(date.and_time(NaiveTime::MIN)), true));
-    }
-    for format in ["%Y-%m-%dT%H:%M:%S", "%Y-%m-%d %H:%M:%S", "%Y-%m-%dT%H:%M", "%Y-%m-%d %H:%M"] {
-        if let Ok(civil) = NaiveDateTime::parse_from_str(text, format) {
-            return Ok((Time::from_civil(civil), false));
-        }
-    }
-    Err(TimeError {
+    iso(text).ok_or_else(|| TimeError {
         text: text.to_owned(),
         expected: "ISO 8601 such as 2026-03-03 or 2026-03-03T08:00:00, without a zone".to_owned(),
     })
+}
+
+/// Reads by hand because chrono's `%Y` also takes the year 15 from 15-03-04: a guess, not a date.
+fn iso(text: &str) -> Option<(Time, bool)> {
+    let unsigned = text.strip_prefix(['+', '-']);
+    let (year, rest) = unsigned.unwrap_or(text).split_once('-')?;
+    let year_digits = if unsigned.is_some() { 4..=6 } else { 4..=4 };
+    let year = i32::try_from(digits(year, year_digits)?).ok()?;
+    let year = if text.starts_with('-') { -year } else { year };
+    let (month, rest) = rest.split_once('-')?;
+    let (day, time_of_day) = match rest.split_once(['T', ' ']) {
+        Some((day, time)) => (day, Some(time.trim_start())),
+        None => (rest, None),
+    };
+    let date = NaiveDate::from_ymd_opt(year, digits(month, 2..=2)?, digits(day, 2..=2)?)?;
+    let Some(time_of_day) = time_of_day else {
+        return Some((Time::from_civil(date.and_time(NaiveTime::MIN)), true));
+    };
+    let mut parts = time_of_day.split(':');
+    let hour = digits(parts.next()?, 2..=2)?;
+    let minute = digits(parts.next()?, 2..=2)?;
+    let second = match parts.next() {
+        Some(second) => {
+            let (whole, fraction) = second.split_once('.').unwrap_or((second, "0"));
+            digits(fraction, 1..=9)?;
+            digits(whole, 2..=2)?
+        }
+        None => 0,
+    };
+    if parts.next().is_some() {
+        return None;
+    }
+    Some((Time::from_civil(date.and_hms_opt(hour, minute, second)?), false))
+}
+
+/// A number of ASCII digits and nothing else, as many as said.
+fn digits(text: &str, count: std::ops::RangeInclusive<usize>) -> Option<u32> {
+    (count.contains(&text.len()) && text.bytes().all(|b| b.is_ascii_digit()))
+        .then(|| text.parse().ok())?
 }
 
 impl fmt::Display for Time {
@@ -105,5 +136,73 @@ impl TimeRange {
     /// Whether the instant lies in the span.
     pub fn contains(&self, time: Time) -> bool {
         self.start <= time && time < self.end
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn iso_forms() {
+        let noon = Time::parse_iso("2026-03-03T12:00:00").unwrap();
+        assert_eq!(noon.seconds(), 1_772_539_200);
+        for same in ["2026-03-03 12:00:00", "2026-03-03T12:00", " 2026-03-03 12:00:00.75 "] {
+            assert_eq!(Time::parse_iso(same), Ok(noon), "{same}");
+        }
+        assert_eq!(parse_iso("2026-03-03"), Ok((noon.plus_seconds(-43_200), true)));
+        assert_eq!(Time::parse_iso("2024-02-29").unwrap().to_string(), "2024-02-29T00:00:00");
+    }
+
+    #[test]
+    fn what_is_not_iso_is_refused() {
+        for bad in [
+            "",
+            "2026",
+            "2026-3-3",
+            "26-03-03",
+            "03-03-2026",
+            "2026-02-29",
+            "2026-13-01",
+            "2026-03-03T",
+            "2026-03-03T8:00",
+            "2026-03-03T24:00",
+            "2026-03-03T08:00:00Z",
+            "2026-03-03T08:00:00+01:00",
+            "2026-03-03T08:00+01:00",
+            "2026-03-03T08:00:00 Europe/Berlin",
+            "2026-03-03T08:00:00:00",
+            "2026/03/03",
+            "20260303",
+            "\u{0662}\u{0660}26-03-03",
+        ] {
+            let error = Time::parse_iso(bad).expect_err(bad);
+            assert_eq!(error.text, bad);
+            assert!(error.to_string().contains("without a zone"));
+        }
+    }
+
+    #[test]
+    fn fraction_of_a_period() {
+        let period = TimeRange { start: Time::from_seconds(100), end: Time::from_seconds(400) };
+        assert_eq!(period.at_fraction(1.0 / 3.0), Time::from_seconds(200));
+        assert!(period.contains(period.start) && !period.contains(period.end));
+        let reversed = TimeRange { start: period.end, end: period.start };
+        assert_eq!(reversed.seconds(), 0);
+    }
+
+    proptest! {
+        #[test]
+        fn display_is_read_back(seconds in -100_000_000_000i64..400_000_000_000) {
+            let time = Time::from_seconds(seconds);
+            prop_assert_eq!(Time::parse_iso(&time.to_string()), Ok(time));
+        }
+
+        #[test]
+        fn no_text_makes_it_panic(text in "\\PC{0,24}|[0-9+T: .-]{0,24}") {
+            let _ = Time::parse_iso(&text);
+        }
     }
 }
