@@ -96,7 +96,7 @@ pub struct Vertex {
 /// Octahedral encoding of a unit normal in two signed bytes. A zero vector reads as +Y.
 pub fn encode_normal(normal: Vec3) -> [i8; 2] {
     let sum = normal.abs().element_sum();
-    if !(sum > 0.0) {
+    if sum.is_nan() || sum <= 0.0 {
         return encode_normal(Vec3::Y);
     }
     let n = normal / sum;

@@ -24,6 +24,13 @@ const WORTHWHILE: f32 = 0.75;
 /// A parent whose children together draw this few triangles is worth its single draw in any case.
 const FEW_TRIANGLES: usize = 64;
 
+/// An active node with at least this many triangles that found no neighbour is simplified on its
+/// own: a crane's lattice is larger than most groups may be and would otherwise be drawn in full.
+const ALONE_TRIANGLES: usize = 192;
+
+/// A node on its own is tried again once the threshold is this many times its error.
+const ALONE_STEP: f32 = 2.5;
+
 /// A node under construction. Leaves carry no geometry: it is taken from the scene.
 struct Draft {
     node: Node,
@@ -140,14 +147,15 @@ fn merge_level(
     let bounds: Vec<Aabb> = active.iter().map(|&i| drafts[i as usize].bounds).collect();
     let gamma_limit = ground.ladder.gamma(level);
     let period = ground.scene.schedule.period;
-    let groups = group(&bounds, ground.ladder.diameter_m(level), |a, b| match ground.temporal {
-        Temporal::Tight => Some(0.0),
-        Temporal::Paper => {
-            let (a, b) = (&drafts[active[a] as usize], &drafts[active[b] as usize]);
-            let apart = a.presence.mean_difference(&b.presence, period);
-            (apart <= gamma_limit).then_some(apart as f32)
-        }
-    });
+    let mut groups =
+        group(&bounds, ground.ladder.diameter_m(level), |a, b| match ground.temporal {
+            Temporal::Tight => Some(0.0),
+            Temporal::Paper => {
+                let (a, b) = (&drafts[active[a] as usize], &drafts[active[b] as usize]);
+                let apart = a.presence.mean_difference(&b.presence, period);
+                (apart <= gamma_limit).then_some(apart as f32)
+            }
+        });
     let triangles_of = |members: &[u32]| -> usize {
         members.iter().map(|&i| drafts[active[i as usize] as usize].triangles).sum()
     };
@@ -164,6 +172,21 @@ fn merge_level(
         })
         .collect();
     Ok(merged?.into_iter().flatten().collect())
+}
+
+/// Active nodes outside all groups that are rich enough to be simplified alone.
+fn loners(limit: f32, drafts: &[Draft], active: &[u32], groups: &[Vec<u32>]) -> Vec<Vec<u32>> {
+    let mut grouped = vec![false; active.len()];
+    groups.iter().flatten().for_each(|&i| grouped[i as usize] = true);
+    (0..active.len() as u32)
+        .filter(|&i| {
+            let draft = &drafts[active[i as usize] as usize];
+            !grouped[i as usize]
+                && draft.triangles >= ALONE_TRIANGLES
+                && draft.eps * ALONE_STEP <= limit
+        })
+        .map(|i| vec![i])
+        .collect()
 }
 
 /// Makes the parent of `children`, if it meets the level's thresholds and is worth drawing.
@@ -193,7 +216,8 @@ fn merge(ground: &Ground, level: u32, drafts: &[Draft], children: Vec<u32>) -> O
     let before: usize = members().map(|d| d.triangles).sum();
     let after = simplified.triangles.len();
     let worthwhile = after as f32 <= before as f32 * WORTHWHILE || before <= FEW_TRIANGLES;
-    if !worthwhile && !ground.ladder.is_beyond(level) {
+    // Beyond L groups are made in any case: the tree must end in one root (R9).
+    if !worthwhile && (children.len() == 1 || !ground.ladder.is_beyond(level)) {
         return None;
     }
 

@@ -221,7 +221,7 @@ proptest! {
 
         for cluster in &hdlod.clusters {
             let children = hdlod.children_of(cluster);
-            prop_assert!((2..=grouping::MAX_DEGREE).contains(&children.len()));
+            prop_assert!((1..=grouping::MAX_DEGREE).contains(&children.len()));
             let mut leaves = Vec::new();
             for &child in children {
                 leaves_below(&hdlod, child, &mut leaves);
