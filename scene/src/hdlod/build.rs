@@ -156,6 +156,8 @@ fn merge_level(
                 (apart <= gamma_limit).then_some(apart as f32)
             }
         });
+    let alone = loners(ground.ladder.eps_m(level), drafts, active, &groups);
+    groups.extend(alone);
     let triangles_of = |members: &[u32]| -> usize {
         members.iter().map(|&i| drafts[active[i as usize] as usize].triangles).sum()
     };

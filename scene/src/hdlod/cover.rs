@@ -5,23 +5,33 @@
 //! cluster. Here nothing is deleted without proof:
 //!
 //! 1. **Snap.** Corners move to the centres of a grid. On a triangle the movement is linear, so
-//!    the snapped triangle is within the largest corner movement `s` of the original, both ways.
-//! 2. **Cover.** A triangle T may be deleted when it is cut into pieces (a few midpoint
-//!    subdivisions) each of which has all its corners within `e` of one kept triangle. The
-//!    distance to a convex set is a convex function, so the piece's every point is within `e` of
-//!    it. The kept triangle must be present whenever T is; it is locked and never deleted.
+//!    the snapped triangle is within the largest corner movement `s` of its source, both ways.
+//! 2. **Flatten.** A connected part (one behaviour, one material) that is thin becomes the
+//!    rectangle through its middle, where every point of the part is within `e` of the rectangle
+//!    and every point of the rectangle within `e` of the part.
+//! 3. **Cover.** What stands for some sources may be deleted when each source is cut into pieces
+//!    (a few midpoint subdivisions) that have all their corners within `e` of one kept triangle.
+//!    The distance to a convex set is a convex function, so the piece's every point is within `e`
+//!    of it. The kept triangle must be present whenever the source is; it is locked and stays.
 //!
-//! What is kept are snapped originals (or originals), so every kept point is within `s` of its own
-//! source; every source point is within `s + e` of something kept that is present whenever the
-//! source is. Hence D_H <= s + e at every date, the figure returned.
+//! Every kept point is within `s` (snapped) or `e` (flattened) of its own source, and every source
+//! point within `s` or `e` of something kept that is present whenever the source is. So
+//! D_H <= max(s, e) at every date; the largest figure that occurred is returned.
 
+use super::parts;
 use super::presence::PresenceTable;
 use super::soup::{Palette, Triangle};
 use crate::Aabb;
 use glam::{IVec3, Vec3};
+use std::ops::Range;
 
-/// Share of the budget spent on moving corners to the grid; the rest is for covers.
-const SNAP_SHARE: f32 = 0.35;
+/// How far corners may move to the grid, as a share of the budget. Measured; see the file's head
+/// for why it does not add to the covers' radius.
+const SNAP_SHARE: f32 = 0.5;
+
+/// Thickness of a part that becomes a rectangle, as a share of the budget: seen from its edge the
+/// rectangle is nothing, so the part must be nearly nothing there too.
+const FLAT_SHARE: f32 = 1.2;
 
 /// Midpoint subdivisions tried before a cover counts as not found.
 const SUBDIVISIONS: u32 = 3;
@@ -51,34 +61,39 @@ pub(crate) fn simplify(
         return Simplified { triangles: source.to_vec(), distance_m: slack };
     }
 
-    let mut work = Work::snapped(source, snap_m);
-    let cover_m = budget_m - work.moved_m - 2.0 * slack;
+    let cover_m = budget_m - 2.0 * slack;
+    let mut work = Work::snapped(source, snap_m, cover_m);
     work.index(cover_m);
-    work.delete_collapsed(source, cover_m, presence);
+    work.delete_collapsed(cover_m, presence);
     work.delete_covered(cover_m, presence, palette);
-    let distance_m = work.moved_m + work.worst_cover_m + 2.0 * slack;
-    let triangles = work.finish();
-    Simplified { triangles, distance_m }
+    let distance_m = work.distance_m + 2.0 * slack;
+    Simplified { triangles: work.finish(), distance_m }
 }
 
-/// One triangle prepared for distance queries.
+/// What may be kept: one or two triangles that stand for some sources.
 struct Item {
     triangle: Triangle,
     bounds: Aabb,
     normal: Vec3,
     area: f32,
+    /// The source triangles it stands for: a range of [`Work::sources`].
+    sources: Range<u32>,
+    /// Items of one rectangle have the same number and live and die together.
+    unit: u32,
     dead: bool,
     locked: bool,
 }
 
 impl Item {
-    fn new(triangle: Triangle) -> Self {
+    fn new(triangle: Triangle, sources: Range<u32>, unit: u32) -> Self {
         let cross = triangle.cross();
         Self {
             triangle,
             bounds: Aabb::of_points(triangle.corners),
             normal: cross.normalize_or_zero(),
             area: cross.length() * 0.5,
+            sources,
+            unit,
             dead: false,
             locked: false,
         }
@@ -86,46 +101,65 @@ impl Item {
 }
 
 struct Work {
+    /// Source triangles, those of one part next to each other.
+    sources: Vec<Triangle>,
     items: Vec<Item>,
-    /// Snapped triangles without area, with their place in the source.
-    collapsed: Vec<(Triangle, usize)>,
+    /// Places in `sources` of triangles that lost their area.
+    collapsed: Vec<u32>,
     grid: Grid,
-    moved_m: f32,
-    worst_cover_m: f32,
+    distance_m: f32,
 }
 
 impl Work {
-    /// Moves corners by at most `snap_m` and sets aside what lost its area.
-    fn snapped(source: &[Triangle], snap_m: f32) -> Self {
+    /// Flattens thin parts, moves the corners of the others by at most `snap_m` and sets aside
+    /// what lost its area by that.
+    fn snapped(source: &[Triangle], snap_m: f32, cover_m: f32) -> Self {
         // A point of a cube is at most half the diagonal from its centre.
         let cell = 2.0 * snap_m / 3f32.sqrt();
-        let mut items = Vec::with_capacity(source.len() / 2);
-        let mut collapsed = Vec::new();
-        let mut moved_m = 0f32;
-        for (place, original) in source.iter().enumerate() {
-            let mut triangle = *original;
-            for corner in &mut triangle.corners {
-                // The grid is the same for all clusters, so neighbours meet where they met.
-                let snapped = ((*corner / cell).floor() + 0.5) * cell;
-                moved_m = moved_m.max(snapped.distance(*corner));
-                *corner = snapped;
-            }
-            // Corners on a grid: either the height is of the order of a cell or it is rounding.
-            if triangle.area() * 2.0 <= triangle.diameter() * cell * 1e-2 {
-                collapsed.push((triangle, place));
+        let mut work = Self {
+            sources: Vec::with_capacity(source.len()),
+            items: Vec::with_capacity(source.len() / 2),
+            collapsed: Vec::new(),
+            grid: Grid::default(),
+            distance_m: 0.0,
+        };
+        for part in parts::connected(source) {
+            let first = work.sources.len() as u32;
+            work.sources.extend(part.iter().map(|&i| source[i as usize]));
+            let range = first..work.sources.len() as u32;
+            let members = &work.sources[first as usize..];
+            if let Some(flat) = parts::flatten(members, cover_m, cover_m * FLAT_SHARE) {
+                work.distance_m = work.distance_m.max(flat.distance_m);
+                for half in flat.halves {
+                    work.items.push(Item::new(half, range.clone(), first));
+                }
             } else {
-                items.push(Item::new(triangle));
+                range.for_each(|place| work.snap(place, cell));
             }
         }
-        items.sort_by(|a, b| b.area.total_cmp(&a.area));
-        Self { items, collapsed, grid: Grid::default(), moved_m, worst_cover_m: 0.0 }
+        work.items.sort_by(|a, b| b.area.total_cmp(&a.area));
+        work
+    }
+
+    fn snap(&mut self, place: u32, cell: f32) {
+        let original = self.sources[place as usize];
+        let mut triangle = original;
+        // The grid is the same for all clusters, so neighbours meet where they met.
+        triangle.corners = original.corners.map(|c| ((c / cell).floor() + 0.5) * cell);
+        // Corners on a grid: either the height is of the order of a cell or it is rounding.
+        if triangle.area() * 2.0 <= triangle.diameter() * cell * 1e-2 {
+            self.collapsed.push(place);
+            return;
+        }
+        for (snapped, corner) in triangle.corners.iter().zip(original.corners) {
+            self.distance_m = self.distance_m.max(snapped.distance(corner));
+        }
+        self.items.push(Item::new(triangle, place..place + 1, place));
     }
 
     fn index(&mut self, radius: f32) {
-        let mut bounds = self.items.iter().fold(Aabb::EMPTY, |b, i| b.union(&i.bounds));
-        for (t, _) in &self.collapsed {
-            bounds = bounds.union(&Aabb::of_points(t.corners));
-        }
+        let corners = self.sources.iter().flat_map(|t| t.corners);
+        let bounds = self.items.iter().fold(Aabb::of_points(corners), |b, i| b.union(&i.bounds));
         self.grid = Grid::new(&bounds.grown(radius), radius);
         for (i, item) in self.items.iter().enumerate() {
             self.grid.insert(i as u32, &item.bounds);
@@ -134,15 +168,17 @@ impl Work {
 
     /// Deletes what collapsed to lines and points; where nothing covers it, the original comes
     /// back and may cover the others. Largest first, so that few come back.
-    fn delete_collapsed(&mut self, source: &[Triangle], radius: f32, presence: &PresenceTable) {
+    fn delete_collapsed(&mut self, radius: f32, presence: &PresenceTable) {
         let mut collapsed = std::mem::take(&mut self.collapsed);
-        collapsed.sort_by(|a, b| source[b.1].area().total_cmp(&source[a.1].area()));
-        for (triangle, place) in collapsed {
-            let covered = self.cover(&triangle, None, radius, &|c| {
-                c.layer == triangle.layer && presence.includes(c.behaviour, triangle.behaviour)
+        let area = |i: u32| self.sources[i as usize].area();
+        collapsed.sort_by(|&a, &b| area(b).total_cmp(&area(a)));
+        for place in collapsed {
+            let original = self.sources[place as usize];
+            let covered = self.cover(place..place + 1, place, radius, &|c| {
+                c.layer == original.layer && presence.includes(c.behaviour, original.behaviour)
             });
-            if !covered && source[place].area() > 0.0 {
-                let mut item = Item::new(source[place]);
+            if !covered && original.area() > 0.0 {
+                let mut item = Item::new(original, place..place + 1, place);
                 item.locked = true;
                 self.grid.insert(self.items.len() as u32, &item.bounds);
                 self.items.push(item);
@@ -150,28 +186,34 @@ impl Work {
         }
     }
 
-    /// Deletes covered triangles, smallest first.
+    /// Deletes what is covered, smallest first.
     fn delete_covered(&mut self, radius: f32, presence: &PresenceTable, palette: &Palette) {
         for i in (0..self.items.len()).rev() {
-            if self.items[i].locked {
+            let item = &self.items[i];
+            let twin = i.checked_sub(1).filter(|&t| self.items[t].unit == item.unit);
+            if item.locked || item.dead || twin.is_some_and(|t| self.items[t].locked) {
                 continue;
             }
-            let triangle = self.items[i].triangle;
+            let triangle = item.triangle;
             // What is smaller than the error may take any colour.
             let tiny = triangle.diameter() <= 2.0 * radius;
-            self.items[i].dead = self.cover(&triangle, Some(i as u32), radius, &|c| {
+            let covered = self.cover(item.sources.clone(), item.unit, radius, &|c| {
                 c.layer == triangle.layer
                     && (tiny || palette.alike(c.material, triangle.material))
                     && presence.includes(c.behaviour, triangle.behaviour)
             });
+            self.items[i].dead = covered;
+            if let Some(twin) = twin {
+                self.items[twin].dead = covered;
+            }
         }
     }
 
-    /// Whether kept triangles that `may` allows cover the triangle; if so they are locked.
+    /// Whether kept triangles that `may` allows cover all the sources; if so they are locked.
     fn cover(
         &mut self,
-        triangle: &Triangle,
-        own: Option<u32>,
+        sources: Range<u32>,
+        own: u32,
         radius: f32,
         may: &dyn Fn(&Triangle) -> bool,
     ) -> bool {
@@ -184,17 +226,20 @@ impl Work {
             found: Vec::new(),
             worst: 0.0,
         };
-        if !query.piece(triangle.corners, SUBDIVISIONS) {
-            return false;
+        for source in &self.sources[sources.start as usize..sources.end as usize] {
+            if !query.piece(source.corners, SUBDIVISIONS) {
+                return false;
+            }
         }
         let Query { found, worst, .. } = query;
-        self.worst_cover_m = self.worst_cover_m.max(worst);
+        self.distance_m = self.distance_m.max(worst);
         for i in found {
             self.items[i as usize].locked = true;
         }
         true
     }
 
+    /// What was kept. A rectangle's half stays when the other is needed.
     fn finish(self) -> Vec<Triangle> {
         self.items.into_iter().filter(|i| !i.dead).map(|i| i.triangle).collect()
     }
@@ -203,7 +248,7 @@ impl Work {
 struct Query<'a> {
     items: &'a [Item],
     grid: &'a Grid,
-    own: Option<u32>,
+    own: u32,
     radius: f32,
     may: &'a dyn Fn(&Triangle) -> bool,
     found: Vec<u32>,
@@ -240,7 +285,7 @@ impl Query<'_> {
         let radius = self.radius;
         self.grid.visit(point, radius, |i| {
             let item = &self.items[i as usize];
-            if item.dead || Some(i) == self.own {
+            if item.dead || item.unit == self.own {
                 return;
             }
             let gap = (item.bounds.min - point).max(point - item.bounds.max);

@@ -5,7 +5,7 @@
 //! |---|---|---|
 //! | thresholds per level | `ladder` | H12, R4, R5, R9 |
 //! | who is merged | `hilbert`, `grouping` | H11, H14, H15 |
-//! | merged geometry and its certificate | `soup`, `cover` | H5, H13, R10 |
+//! | merged geometry and its certificate | `soup`, `parts`, `cover` | H5, H13, R10 |
 //! | what may stand for what in time | `presence` | R11 |
 //! | the loop over levels | `build` | H4, H6, H7, H11, R2, R9 |
 //! | what to draw | `select` | H8, H9, H10, R1, R5 to R8 |
@@ -20,6 +20,7 @@ mod cover;
 mod grouping;
 mod hilbert;
 mod ladder;
+mod parts;
 mod presence;
 mod select;
 mod soup;
