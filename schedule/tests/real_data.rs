@@ -2,7 +2,7 @@
 //! variable these tests say so and pass, with it a missing file is a failure.
 
 use std::path::PathBuf;
-use topout_schedule::{ReadOptions, Schedule, Severity, Time, read_files};
+use topout_schedule::{Activity, ReadOptions, Schedule, Severity, Time, read_files};
 
 fn real_data() -> Option<PathBuf> {
     let folder = std::env::var_os("TOPOUT_REAL_DATA").map(PathBuf::from);
@@ -46,16 +46,11 @@ fn schependomlaan_reads_the_same_in_every_form() {
     assert_eq!(by_id(&json), by_id(&csv));
 }
 
-/// Id, name, dates and the set of elements, ordered by id.
-fn by_id(schedule: &Schedule) -> Vec<(String, String, Option<Time>, Option<Time>, Vec<String>)> {
-    let mut all: Vec<_> = (schedule.activities.iter())
-        .map(|a| {
-            let mut elements = a.elements.clone();
-            elements.sort();
-            (a.id.clone(), a.name.clone(), a.start, a.end, elements)
-        })
-        .collect();
-    all.sort();
+/// The activities ordered by id, their elements by name.
+fn by_id(schedule: &Schedule) -> Vec<Activity> {
+    let mut all = schedule.activities.clone();
+    all.sort_by(|a, b| a.id.cmp(&b.id));
+    all.iter_mut().for_each(|a| a.elements.sort());
     all
 }
 

@@ -1,5 +1,6 @@
 //! Tables: schedules and links files as CSV.
 
+use super::text::Lines;
 use super::{Collected, DateReader, Place, ReadError, Texts, links};
 use crate::Severity;
 use csv::{ReaderBuilder, StringRecord, Trim};
@@ -62,6 +63,7 @@ pub(super) struct Table<'a> {
     /// The row that was read last.
     pub(super) row: StringRecord,
     semicolons: bool,
+    lines: Lines<'a>,
     reader: csv::Reader<&'a [u8]>,
 }
 
@@ -79,7 +81,8 @@ impl<'a> Table<'a> {
             // Text in memory that is UTF-8 and may have rows of any length cannot fail to be read.
             let _ = reader.read_record(&mut header);
             let semicolons = separator == b';';
-            Self { header: Header(header), row: StringRecord::new(), semicolons, reader }
+            let (row, lines) = (StringRecord::new(), Lines::new(text));
+            Self { header: Header(header), row, semicolons, lines, reader }
         };
         let (commas, semicolons) = (with(b','), with(b';'));
         if semicolons.header.0.len() > commas.header.0.len() { semicolons } else { commas }
@@ -93,7 +96,9 @@ impl<'a> Table<'a> {
             if self.row.iter().all(str::is_empty) {
                 continue;
             }
-            let line = self.row.position().map_or(0, |p| p.line()) as usize;
+            // The reader's own count lags behind by the line ends that it has not skipped yet.
+            let from = self.row.position().map_or(0, |p| p.byte()) as usize;
+            let line = self.lines.of_text_from(from);
             if self.row.iter().skip(columns).all(str::is_empty) {
                 return Some(line);
             }

@@ -3,6 +3,7 @@
 //! Values are taken as raw slices of the text: where a slice lies gives its line, and fields that
 //! topout does not know keep exactly the text they had.
 
+use super::text::Lines;
 use super::{Collected, DateReader, Place, ReadError, Texts};
 use crate::Severity;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
@@ -238,32 +239,4 @@ fn without_place(error: &serde_json::Error) -> String {
 /// Where a slice of the text begins.
 fn offset_in(text: &str, slice: &RawValue) -> usize {
     (slice.get().as_ptr() as usize).saturating_sub(text.as_ptr() as usize)
-}
-
-/// Counts lines on the way through a text, so that all places together cost one pass.
-#[derive(Clone)]
-struct Lines<'a> {
-    text: &'a str,
-    offset: usize,
-    line: usize,
-    line_start: usize,
-}
-
-impl<'a> Lines<'a> {
-    fn new(text: &'a str) -> Self {
-        Self { text, offset: 0, line: 1, line_start: 0 }
-    }
-
-    /// Line and column, from 1, of a byte not before the last one asked for.
-    fn at(&mut self, offset: usize) -> (usize, usize) {
-        let offset = offset.clamp(self.offset, self.text.len());
-        for (i, byte) in self.text.as_bytes()[self.offset..offset].iter().enumerate() {
-            if *byte == b'\n' {
-                self.line += 1;
-                self.line_start = self.offset + i + 1;
-            }
-        }
-        self.offset = offset;
-        (self.line, offset - self.line_start + 1)
-    }
 }

@@ -82,3 +82,45 @@ fn first_malformed(encoding: &'static Encoding, bytes: &[u8]) -> usize {
         }
     }
 }
+
+/// Counts lines on the way through a text, so that all places together cost one pass. A line ends
+/// with a line feed, a carriage return or both.
+#[derive(Clone)]
+pub(super) struct Lines<'a> {
+    pub(super) text: &'a str,
+    offset: usize,
+    line: usize,
+    line_start: usize,
+}
+
+impl<'a> Lines<'a> {
+    pub(super) fn new(text: &'a str) -> Self {
+        Self { text, offset: 0, line: 1, line_start: 0 }
+    }
+
+    /// Line and column, from 1, of a byte not before the last one asked for.
+    pub(super) fn at(&mut self, offset: usize) -> (usize, usize) {
+        let bytes = self.text.as_bytes();
+        let offset = offset.clamp(self.offset, bytes.len());
+        for i in self.offset..offset {
+            let ends = match bytes[i] {
+                b'\n' => true,
+                b'\r' => bytes.get(i + 1) != Some(&b'\n'),
+                _ => false,
+            };
+            if ends {
+                self.line += 1;
+                self.line_start = i + 1;
+            }
+        }
+        self.offset = offset;
+        (self.line, offset - self.line_start + 1)
+    }
+
+    /// The line of the first byte from `offset` on that does not end a line.
+    pub(super) fn of_text_from(&mut self, offset: usize) -> usize {
+        let rest = self.text.as_bytes().get(offset..).unwrap_or_default();
+        let ends = rest.iter().take_while(|b| matches!(b, b'\r' | b'\n')).count();
+        self.at(offset + ends).0
+    }
+}
