@@ -5,6 +5,8 @@
 
 mod geometry;
 pub mod hdlod;
+pub mod import;
+mod optimizer;
 mod progress;
 #[allow(clippy::module_inception)]
 mod scene;

@@ -54,6 +54,8 @@ pub struct Instance {
 pub struct Element {
     /// Node name; may be empty.
     pub name: String,
+    /// What people call it (the extras' ifcName), where that is not the name; may be empty.
+    pub label: String,
     /// Global id from the node's extras, if any.
     pub guid: Option<String>,
     /// What it is (IfcWall, column, ...); may be empty.
@@ -73,6 +75,10 @@ pub struct Element {
 pub struct Group {
     /// Node name.
     pub name: String,
+    /// What people call it (the extras' ifcName), where that is not the name; may be empty.
+    pub label: String,
+    /// What it is (IfcBuildingStorey, zone, ...); may be empty.
+    pub kind: String,
     /// Global id from the node's extras, if any.
     pub guid: Option<String>,
     /// The group above.
