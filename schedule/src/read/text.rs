@@ -52,7 +52,9 @@ pub(super) fn decode<'a>(
                 encoding: encoding.name().to_owned(),
                 hint: match declared {
                     Some(_) => "another encoding was declared than the file has",
-                    None => "declare its encoding (often windows-1252) or save it as UTF-8",
+                    None => {
+                        "save it as UTF-8 or declare its encoding, often --encoding windows-1252"
+                    }
                 },
             });
         }
