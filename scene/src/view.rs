@@ -249,3 +249,100 @@ impl Frustum {
         if inside { Containment::Inside } else { Containment::Partly }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn to_pixels(view: &View, point: Vec3) -> Option<glam::Vec2> {
+        let clip = view.clip_from_world(1e4) * point.extend(1.0);
+        (clip.w > 0.0).then(|| {
+            let ndc = clip.truncate() / clip.w;
+            glam::Vec2::new(ndc.x, ndc.y) * 0.5 * view.size.as_vec2()
+        })
+    }
+
+    fn unit() -> impl Strategy<Value = Vec3> {
+        (-1f32..1.0, -1f32..1.0, -1f32..1.0)
+            .prop_map(|(x, y, z)| Vec3::new(x, y, z).normalize_or(Vec3::X))
+    }
+
+    proptest! {
+        /// R8: no displacement by delta of a point inside the frame shows as more than the bound.
+        #[test]
+        fn the_pixel_error_is_an_upper_bound(
+            eye in unit(), distance in 0.5f32..200.0, delta in 1e-3f32..3.0, way in unit(),
+            x in -1f32..1.0, y in -1f32..1.0, wide in 100u32..3000, parallel in any::<bool>(),
+        ) {
+            let mut view = View::fit(&Aabb::EMPTY, 0.0, 0.0, 1.0, UVec2::new(wide, 720));
+            view.eye = eye * 10.0;
+            view.target = Vec3::ZERO;
+            view.up = eye.any_orthonormal_vector();
+            if parallel {
+                view.projection = Projection::Orthographic { height: 30.0 };
+            }
+            // A point at any place of the frame, corners included.
+            let inverse = view.clip_from_world(1e4).inverse();
+            let on_ray = inverse.project_point3(Vec3::new(x, y, 0.5));
+            let direction = if parallel { view.forward() } else { (on_ray - view.eye).normalize() };
+            let start = if parallel { on_ray - direction * on_ray.dot(direction) } else { view.eye };
+            let p = start + direction * distance;
+            let bounds = Aabb { min: p, max: p };
+            let bound = view.error_px(delta, &bounds);
+            let (a, b) = (to_pixels(&view, p), to_pixels(&view, p + way * delta));
+            if let (Some(a), Some(b)) = (a, b) {
+                prop_assert!(a.distance(b) <= bound * 1.001 + 0.02, "{} > {bound}", a.distance(b));
+            } else {
+                prop_assert!(bound.is_infinite());
+            }
+        }
+
+        /// A box with any point in the picture is never called outside.
+        #[test]
+        fn the_frame_never_loses_a_visible_box(
+            azimuth in 0f32..360.0, elevation in -89f32..90.0,
+            center in (-50f32..50.0, -50f32..50.0, -50f32..50.0), half in 0.1f32..20.0,
+        ) {
+            let focus = Aabb { min: Vec3::splat(-5.0), max: Vec3::splat(5.0) };
+            let view = View::fit(&focus, azimuth, elevation, 1.0, UVec2::new(640, 360));
+            let center = Vec3::from(center);
+            let bounds = Aabb { min: center - half, max: center + half };
+            let seen = bounds.corners().into_iter().chain([center]).any(|p| {
+                to_pixels(&view, p).is_some_and(|q| (q.abs() * 2.0).cmple(view.size.as_vec2()).all())
+            });
+            let verdict = view.frustum().test(&bounds);
+            prop_assert!(!seen || verdict != Containment::Outside);
+            if verdict == Containment::Inside {
+                for p in bounds.corners() {
+                    let q = to_pixels(&view, p).expect("inside is in front of the eye");
+                    prop_assert!((q.abs() * 2.0).cmple(view.size.as_vec2() * 1.001).all());
+                }
+            }
+        }
+
+        /// The fitted view shows every corner and could not be nearer.
+        #[test]
+        fn fit_is_the_smallest_distance(
+            azimuth in 0f32..360.0, elevation in -90f32..90.0,
+            size in (0.5f32..80.0, 0.5f32..80.0, 0.5f32..80.0), wide in 200u32..2000,
+        ) {
+            let focus = Aabb { min: Vec3::ZERO, max: Vec3::from(size) };
+            let view = View::fit(&focus, azimuth, elevation, 1.0, UVec2::new(wide, 600));
+            let reach = focus.corners().into_iter().map(|p| {
+                let q = to_pixels(&view, p).expect("in front of the eye").abs() * 2.0;
+                (q / view.size.as_vec2()).max_element()
+            });
+            let reach = reach.fold(0f32, f32::max);
+            prop_assert!((reach - 1.0).abs() < 1e-2, "{reach}");
+        }
+    }
+
+    #[test]
+    fn an_eye_inside_the_box_gets_no_promise() {
+        let view = View::fit(&Aabb::EMPTY, 0.0, 0.0, 1.0, UVec2::new(64, 64));
+        let around = Aabb { min: view.eye - 1.0, max: view.eye + 1.0 };
+        assert!(view.error_px(0.01, &around).is_infinite());
+        assert_eq!(view.error_px(0.0, &around), 0.0);
+    }
+}
