@@ -21,9 +21,6 @@ const SOURCE_SHARE: f32 = 0.2;
 /// and are tried again at the next, coarser level (H14: complexity falls with level).
 const WORTHWHILE: f32 = 0.75;
 
-/// A parent whose children together draw this few triangles is worth its single draw in any case.
-const FEW_TRIANGLES: usize = 64;
-
 /// An active node with at least this many triangles that found no neighbour is simplified on its
 /// own: a crane's lattice is larger than most groups may be and would otherwise be drawn in full.
 const ALONE_TRIANGLES: usize = 192;
@@ -217,7 +214,7 @@ fn merge(ground: &Ground, level: u32, drafts: &[Draft], children: Vec<u32>) -> O
     let simplified = simplify(&source, limit - source_eps, &ground.presence, &ground.palette);
     let before: usize = members().map(|d| d.triangles).sum();
     let after = simplified.triangles.len();
-    let worthwhile = after as f32 <= before as f32 * WORTHWHILE || before <= FEW_TRIANGLES;
+    let worthwhile = after as f32 <= before as f32 * WORTHWHILE;
     // Beyond L groups are made in any case: the tree must end in one root (R9).
     if !worthwhile && (children.len() == 1 || !ground.ladder.is_beyond(level)) {
         return None;
