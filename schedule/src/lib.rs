@@ -10,6 +10,7 @@ mod diagnostics;
 mod presence;
 mod read;
 mod schedule;
+mod sources;
 mod time;
 mod write;
 
@@ -18,4 +19,5 @@ pub use diagnostics::{Diagnostic, Diagnostics, Severity};
 pub use presence::presence;
 pub use read::{FORMAT, ReadError, ReadOptions, read_files};
 pub use schedule::{Activity, ActivityKind, Schedule};
+pub use sources::Sources;
 pub use time::{Time, TimeError, TimeRange};

@@ -1,5 +1,6 @@
 //! Activities and the schedule that holds them.
 
+use crate::sources::{Place, Sources};
 use crate::{Diagnostics, Severity, Time, TimeRange};
 use std::collections::{HashMap, HashSet};
 
@@ -97,6 +98,8 @@ pub struct Schedule {
     pub fields: Vec<(String, String)>,
     /// What was found while reading.
     pub diagnostics: Diagnostics,
+    /// Where the activities stand in their files; see [`Schedule::place`].
+    pub sources: Sources,
 }
 
 impl Schedule {
@@ -112,59 +115,71 @@ impl Schedule {
         activities: Vec<Activity>,
         diagnostics: Diagnostics,
     ) -> Schedule {
-        let origin = |i: usize| Origin { place: format!("activity {}", i + 1), reported: false };
         let period = (period.map(|p| p.start), period.map(|p| p.end));
-        Self::validate(project, period, activities, origin, diagnostics)
+        Self::validate(project, period, activities, Sources::default(), diagnostics)
     }
 
-    /// [`Schedule::new`] for activities that come from somewhere: `origin(i)` tells of the i-th.
+    /// [`Schedule::new`] for activities that come from files.
     pub(crate) fn validate(
         project: String,
-        (start, end): (Option<Time>, Option<Time>),
+        period: (Option<Time>, Option<Time>),
         mut activities: Vec<Activity>,
-        origin: impl Fn(usize) -> Origin,
+        mut sources: Sources,
         mut diagnostics: Diagnostics,
     ) -> Schedule {
-        let keep = unique_ids(&activities, &origin, &mut diagnostics);
+        let keep = unique_ids(&activities, &sources, &mut diagnostics);
         for (i, activity) in activities.iter_mut().enumerate().filter(|&(i, _)| keep[i]) {
-            remove_repeats(&mut activity.elements);
-            check_dates(activity, &origin, i, &mut diagnostics);
+            let source = sources.activities.get_mut(i);
+            remove_repeats(&mut activity.elements, source.map(|s| &mut s.links));
+            check_dates(activity, i, &sources, &mut diagnostics);
         }
-        let mut kept = keep.into_iter();
-        activities.retain(|_| kept.next().unwrap_or(true));
+        retain(&mut activities, &keep);
+        retain(&mut sources.activities, &keep);
 
-        let dates = || activities.iter().filter_map(Activity::dates);
-        let first = dates().map(|d| d.start).min();
-        let last = dates().map(|d| d.end).max();
-        let mut period = TimeRange {
-            start: start.or(first).or(end).unwrap_or_default(),
-            end: end.or(last).or(start).unwrap_or_default(),
-        };
-        if period.end < period.start {
-            diagnostics.add(Severity::Error, "reversed-project", "project", || {
-                format!("the project ends {} before its start {}", period.end, period.start)
-            });
-            period = TimeRange {
-                start: first.unwrap_or(period.start),
-                end: last.unwrap_or(period.start),
-            };
-        }
-        Schedule { project, period, activities, fields: Vec::new(), diagnostics }
+        let period = period_of(period, &activities, &mut diagnostics);
+        Schedule { project, period, activities, fields: Vec::new(), diagnostics, sources }
+    }
+
+    /// Where an activity stands, in words: file and line, or its number if it comes from no file.
+    pub fn place(&self, activity: usize) -> String {
+        self.sources.of_activity(activity)
+    }
+
+    /// Where it stands that an activity has one of its elements: file and line, which may be those
+    /// of a links file.
+    pub fn element_place(&self, activity: usize, element: usize) -> String {
+        let elements = self.activities.get(activity).map_or(0, |a| a.elements.len());
+        self.sources.of_element(activity, elements, element)
     }
 }
 
-/// Where an activity comes from, for what is said of it.
-pub(crate) struct Origin {
-    /// In words: file and line.
-    pub(crate) place: String,
-    /// Something was already said of its dates.
-    pub(crate) reported: bool,
+/// The project's period: as given, else from the first start to the last end.
+fn period_of(
+    (start, end): (Option<Time>, Option<Time>),
+    activities: &[Activity],
+    diagnostics: &mut Diagnostics,
+) -> TimeRange {
+    let dates = || activities.iter().filter_map(Activity::dates);
+    let first = dates().map(|d| d.start).min();
+    let last = dates().map(|d| d.end).max();
+    let period = TimeRange {
+        start: start.or(first).or(end).unwrap_or_default(),
+        end: end.or(last).or(start).unwrap_or_default(),
+    };
+    if period.start <= period.end {
+        return period;
+    }
+    diagnostics.add(Severity::Error, "reversed-project", "project", || {
+        format!("the project ends {} before its start {}", period.end, period.start)
+    });
+    let start = first.unwrap_or(period.start);
+    TimeRange { start, end: last.unwrap_or(start) }
 }
 
 /// Which activities have an id that none before them has.
 fn unique_ids(
     activities: &[Activity],
-    origin: &impl Fn(usize) -> Origin,
+    sources: &Sources,
     diagnostics: &mut Diagnostics,
 ) -> Vec<bool> {
     let mut first_with_id: HashMap<&str, usize> = HashMap::with_capacity(activities.len());
@@ -173,14 +188,14 @@ fn unique_ids(
         let id = activity.id.as_str();
         if id.is_empty() {
             keep[i] = false;
-            let place = origin(i).place;
+            let place = sources.of_activity(i);
             diagnostics.add(Severity::Error, "missing-id", place.clone(), || {
                 format!("{place}: an activity without an id ({:?}) is left out", activity.name)
             });
         } else if let Some(&first) = first_with_id.get(id) {
             keep[i] = false;
             diagnostics.add(Severity::Error, "duplicate-id", id, || {
-                let (here, there) = (origin(i).place, origin(first).place);
+                let (here, there) = (sources.of_activity(i), sources.of_activity(first));
                 format!("{here}: the id {id:?} was used before, at {there}; the first one counts")
             });
         } else {
@@ -193,39 +208,50 @@ fn unique_ids(
 /// Reports dates that presence will ignore.
 fn check_dates(
     activity: &Activity,
-    origin: &impl Fn(usize) -> Origin,
     index: usize,
+    sources: &Sources,
     diagnostics: &mut Diagnostics,
 ) {
     let id = &activity.id;
     match (activity.start, activity.end) {
         (Some(start), Some(end)) if end < start => {
             diagnostics.add(Severity::Error, "end-before-start", id, || {
-                let place = origin(index).place;
+                let place = sources.of_activity(index);
                 format!("{place}: activity {id:?} ends {end} before its start {start}; ignored")
             });
         }
         (Some(_), Some(_)) => {}
         (start, _) => {
-            let Origin { place, reported } = origin(index);
-            if !reported {
-                let missing = if start.is_some() { "end" } else { "start" };
-                diagnostics.add(Severity::Warning, "no-dates", id, || {
-                    format!("{place}: activity {id:?} has no {missing}; ignored")
-                });
+            if sources.activities.get(index).is_some_and(|s| s.dates_reported) {
+                return;
             }
+            let missing = if start.is_some() { "end" } else { "start" };
+            diagnostics.add(Severity::Warning, "no-dates", id, || {
+                let place = sources.of_activity(index);
+                format!("{place}: activity {id:?} has no {missing}; ignored")
+            });
         }
     }
 }
 
-/// Removes empty names, and all but the first of equal ones.
-pub(crate) fn remove_repeats(names: &mut Vec<String>) {
-    if names.len() == 1 && !names[0].is_empty() {
-        return;
-    }
+/// Removes empty names and all but the first of equal ones, and with them the places of those that
+/// links gave, which are the last.
+fn remove_repeats(names: &mut Vec<String>, links: Option<&mut Vec<Place>>) {
     let mut seen = HashSet::with_capacity(names.len());
     let keep: Vec<bool> =
         names.iter().map(|name| !name.is_empty() && seen.insert(name.as_str())).collect();
-    let mut keep = keep.into_iter();
-    names.retain(|_| keep.next().unwrap_or(true));
+    if keep.iter().all(|&k| k) {
+        return;
+    }
+    retain(names, &keep);
+    if let Some(links) = links {
+        let own = keep.len().saturating_sub(links.len());
+        retain(links, &keep[own..]);
+    }
+}
+
+/// Keeps what `keep` says, which is as long or longer.
+fn retain<T>(items: &mut Vec<T>, keep: &[bool]) {
+    let mut keep = keep.iter();
+    items.retain(|_| *keep.next().expect("one answer an item"));
 }

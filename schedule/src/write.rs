@@ -16,18 +16,19 @@ impl Schedule {
         write!(out, ", \"project\": {}", text(&self.project)?)?;
         write!(out, ", \"start\": {}", date(Some(self.period.start))?)?;
         write!(out, ", \"end\": {}", date(Some(self.period.end))?)?;
-        write_fields(out, &self.fields)?;
         write!(out, ",\n \"activities\": [")?;
         for (i, activity) in self.activities.iter().enumerate() {
             out.write_all(if i == 0 { b"\n  " } else { b",\n  " })?;
             write_activity(out, activity)?;
         }
-        writeln!(out, "]}}")
+        out.write_all(b"]")?;
+        write_fields(out, &self.fields)?;
+        out.write_all(b"}\n")
     }
 }
 
-/// Every known name is written, null where there is no value: a field of the same meaning (`finish`)
-/// is then not mistaken for it when the file is read.
+/// Every known name is written, null where there is no value, and before the fields: a field of the
+/// same name or meaning (`finish`) is then not mistaken for it when the file is read.
 fn write_activity(out: &mut impl Write, activity: &Activity) -> Result<()> {
     write!(out, "{{\"id\": {}, \"name\": {}", text(&activity.id)?, text(&activity.name)?)?;
     write!(out, ", \"start\": {}, \"end\": {}", date(activity.start)?, date(activity.end)?)?;

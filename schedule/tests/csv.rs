@@ -212,6 +212,30 @@ fn links_that_lead_nowhere() {
     assert_says(message(&schedule, "incomplete-link"), &["links.csv: line 4", "element"]);
 }
 
+/// Whoever finds that an element does not exist can say where it was named.
+#[test]
+fn elements_have_places() {
+    let links = "guid,activity_id\nE1,A\nE2,B\nE3,A\n,A\nE3,A\nE4,A\n";
+    let twice =
+        format!("{PLAN}A,again,2026-01-01,2026-01-02,X\nC,c,2026-01-01,2026-01-02,E5;E5;E6\n");
+    let schedule = Files::new().add("links.csv", links).add("plan.csv", twice).read();
+    let places = |activity: usize| -> Vec<(&str, String)> {
+        let elements = schedule.activities[activity].elements.iter().enumerate();
+        let place = |i| schedule.element_place(activity, i);
+        elements
+            .map(|(i, e)| (e.as_str(), place(i).rsplit('/').next().unwrap_or_default().to_owned()))
+            .collect()
+    };
+    // The link that repeats E1, and the second that names E3, are no elements.
+    let expected =
+        [("E1", "plan.csv: line 2"), ("E3", "links.csv: line 4"), ("E4", "links.csv: line 7")];
+    assert_eq!(places(0), expected.map(|(e, p)| (e, p.to_owned())));
+    assert_eq!(places(1), [("E2", "links.csv: line 3".to_owned())]);
+    let expected = [("E5", "plan.csv: line 5"), ("E6", "plan.csv: line 5")];
+    assert_eq!(places(2), expected.map(|(e, p)| (e, p.to_owned())));
+    assert_says(&schedule.place(2), &["plan.csv: line 5"]);
+}
+
 /// A table with a start column is a schedule, whatever else it has.
 #[test]
 fn a_start_column_makes_a_schedule() {

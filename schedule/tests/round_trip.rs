@@ -33,7 +33,8 @@ fn any_text() -> impl Strategy<Value = String> {
 
 /// Fields may be called like the other names of what an activity has.
 fn any_fields() -> impl Strategy<Value = Vec<(String, String)>> {
-    let known = ["finish", "activity_id", "id", "end", "trade"].map(str::to_owned);
+    let known = ["finish", "activity_id", "id", "end", "start", "activities", "trade"];
+    let known = known.map(str::to_owned);
     let name = prop_oneof![any_text(), prop::sample::select(known.to_vec())];
     prop::collection::vec((name, any_text()), 0..4)
 }
@@ -64,7 +65,7 @@ proptest! {
         project in any_text(),
         period in prop::option::of((any_time(), any_time())),
         activities in prop::collection::vec(any_activity(), 0..6),
-        fields in prop::collection::vec(("[a-z]{1,3}x", any_text()), 0..3),
+        fields in any_fields(),
     ) {
         let period = period.map(|(a, b)| TimeRange { start: a.min(b), end: a.max(b) });
         let mut schedule = Schedule::new(project, period, activities, Default::default());

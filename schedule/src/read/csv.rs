@@ -1,7 +1,7 @@
 //! Tables: schedules and links files as CSV.
 
 use super::text::Lines;
-use super::{Collected, DateReader, Place, ReadError, Texts, links};
+use super::{Collected, DateReader, ReadError, Texts, links};
 use crate::Severity;
 use csv::{ReaderBuilder, StringRecord, Trim};
 use std::path::Path;
@@ -28,7 +28,7 @@ pub(super) fn read(
     })?;
     let before = all.activities.len();
     while let Some(line) = table.next(all) {
-        let place = Place { file: all.current_file(), line, number: None };
+        let place = all.line(line);
         all.add_activity(columns.texts(&table), dates, place);
     }
     if all.activities.len() == before {
@@ -102,7 +102,7 @@ impl<'a> Table<'a> {
             if self.row.iter().skip(columns).all(str::is_empty) {
                 return Some(line);
             }
-            let place = all.describe(Place { file: all.current_file(), line, number: None });
+            let place = all.sources.describe(all.line(line));
             all.diagnostics.add(Severity::Error, "too-many-cells", place.clone(), || {
                 format!(
                     "{place}: {} cells in a table of {columns} columns; the row is left out \

@@ -48,7 +48,7 @@ pub(super) fn read(
     }
     for (i, raw) in activities.into_iter().enumerate() {
         let (line, _) = lines.at(offset_in(text, raw));
-        let place = Place { file: all.current_file(), line, number: Some(i + 1) };
+        let place = Place::new(all.current_file(), line, i + 1);
         read_activity(raw, &lines, place, dates, all);
     }
     Ok(())
@@ -59,7 +59,7 @@ fn read_project(top: &mut Object, lines: &Lines, dates: &DateReader, all: &mut C
     let mut value = |all: &mut Collected, names: &[&str]| {
         let raw = top.take(names)?;
         let (line, _) = lines.clone().at(offset_in(lines.text, raw));
-        let place = Place { file: all.current_file(), line, number: None };
+        let place = all.line(line);
         let text = match scalar(raw) {
             Ok(text) => text?,
             Err(reason) => {
@@ -80,7 +80,7 @@ fn read_project(top: &mut Object, lines: &Lines, dates: &DateReader, all: &mut C
     {
         let message = format!(
             "{}: {what} is {text:?}; read as version 1 of {FORMAT:?} all the same",
-            all.describe(place)
+            all.sources.describe(place)
         );
         all.diagnostics.add(Severity::Warning, "unknown-format", text, || message);
     }
@@ -104,7 +104,7 @@ fn read_activity(
     all: &mut Collected,
 ) {
     let Ok(mut object) = serde_json::from_str::<Object>(raw.get()) else {
-        let subject = format!("activity {}", place.number.unwrap_or_default());
+        let subject = format!("activity {}", place.number);
         wrong_type(all, place, &subject, &subject, &format!("{}, not an object", kind_of(raw)));
         return;
     };
@@ -114,7 +114,7 @@ fn read_activity(
         scalar(raw).unwrap_or_else(|reason| {
             let (line, _) = lines.clone().at(offset_in(lines.text, raw));
             let subject = if id.is_empty() { names[0] } else { id };
-            wrong_type(all, Place { line, ..place }, subject, names[0], &reason);
+            wrong_type(all, place.on_line(line), subject, names[0], &reason);
             texts.reported |= matches!(names[0], "start" | "end");
             None
         })
@@ -144,7 +144,7 @@ fn elements(
     let list: Result<Option<Vec<&RawValue>>, _> = serde_json::from_str(raw.get());
     let mut report = |raw: &RawValue, reason: &str| {
         let (line, _) = lines.clone().at(offset_in(lines.text, raw));
-        wrong_type(all, Place { line, ..place }, id, "elements", reason);
+        wrong_type(all, place.on_line(line), id, "elements", reason);
     };
     let Ok(list) = list else {
         report(raw, &format!("{}, not a list", kind_of(raw)));
@@ -161,7 +161,7 @@ fn elements(
 }
 
 fn wrong_type(all: &mut Collected, place: Place, subject: &str, what: &str, reason: &str) {
-    let message = format!("{}: {what} of {subject:?} is {reason}", all.describe(place));
+    let message = format!("{}: {what} of {subject:?} is {reason}", all.sources.describe(place));
     all.diagnostics.add(Severity::Error, "wrong-type", subject, || message);
 }
 

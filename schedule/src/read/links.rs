@@ -1,8 +1,9 @@
 //! Links files: which element belongs to which activity.
 
+use super::Collected;
 use super::csv::{Header, Table};
-use super::{Collected, Place};
 use crate::Severity;
+use crate::sources::Place;
 use std::collections::HashMap;
 
 /// Links that wait for their activities.
@@ -16,8 +17,7 @@ pub(super) struct Links {
 struct Link {
     element: String,
     activity: u32,
-    file: u32,
-    line: u32,
+    place: Place,
 }
 
 /// Where a links file's columns stand.
@@ -41,27 +41,26 @@ impl Columns {
 
 /// Reads one links file into `all`.
 pub(super) fn read(table: &mut Table, columns: Columns, all: &mut Collected) {
-    let file = all.current_file();
     while let Some(line) = table.next(all) {
         let guid = table.cell(columns.guid);
         let element = if guid.is_empty() { table.cell(columns.element) } else { guid };
         let activity = table.cell(Some(columns.activity));
         if element.is_empty() || activity.is_empty() {
-            let place = all.describe(Place { file, line, number: None });
+            let place = all.sources.describe(all.line(line));
             let missing = if element.is_empty() { "element" } else { "activity" };
             all.diagnostics.add(Severity::Warning, "incomplete-link", place.clone(), || {
                 format!("{place}: a link without {missing} (from {element:?} to {activity:?})")
             });
             continue;
         }
+        let place = all.line(line);
         let links = &mut all.links;
         let next = links.activities.len() as u32;
         let activity = match links.activities.get(activity) {
             Some(&known) => known,
             None => *links.activities.entry(activity.to_owned()).or_insert(next),
         };
-        let (file, line) = (file as u32, u32::try_from(line).unwrap_or(u32::MAX));
-        links.links.push(Link { element: element.to_owned(), activity, file, line });
+        links.links.push(Link { element: element.to_owned(), activity, place });
     }
 }
 
@@ -78,15 +77,15 @@ pub(super) fn attach(all: &mut Collected) {
     for (name, &id) in &ids {
         names[id as usize] = name;
     }
-    for Link { element, activity, file, line } in links {
+    for Link { element, activity, place } in links {
         if let Some(target) = target[activity as usize] {
             all.activities[target].elements.push(element);
+            all.sources.activities[target].links.push(place);
             continue;
         }
-        let place = Place { file: file as usize, line: line as usize, number: None };
-        let (id, files) = (names[activity as usize], &all.files);
+        let (id, sources) = (names[activity as usize], &all.sources);
         all.diagnostics.add(Severity::Warning, "unknown-activity", id, || {
-            let place = super::describe(files, place);
+            let place = sources.describe(place);
             format!(
                 "{place}: no activity has the id {id:?}, to which element {element:?} is linked"
             )

@@ -13,7 +13,7 @@ mod text;
 pub use error::ReadError;
 pub use json::FORMAT;
 
-use crate::schedule::Origin;
+use crate::sources::{Place, Source, Sources};
 use crate::{Activity, Diagnostics, Schedule, Severity, Time, TimeError};
 use dates::DateReader;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ pub fn read_files(paths: &[PathBuf], options: &ReadOptions) -> Result<Schedule, 
         let is_json = looks_like_json(path, &bytes);
         let encoding = options.encoding.as_deref().filter(|_| !is_json);
         let text = text::decode(path, &bytes, encoding)?;
-        all.files.push(path.display().to_string());
+        all.sources.files.push(path.display().to_string());
         if is_json {
             json::read(path, &text, &dates, &mut all)?;
         } else {
@@ -62,25 +62,15 @@ fn looks_like_json(path: &Path, bytes: &[u8]) -> bool {
     }
 }
 
-/// Where something stands: file, line and, in JSON, which of the activities.
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    file: usize,
-    line: usize,
-    number: Option<usize>,
-}
-
 /// What the files said, before it is validated.
 #[derive(Default)]
 struct Collected {
-    files: Vec<String>,
     project: String,
     start: Option<Time>,
     end: Option<Time>,
     fields: Vec<(String, String)>,
     activities: Vec<Activity>,
-    /// Of each activity: its place, and whether something was said of its dates already.
-    places: Vec<(Place, bool)>,
+    sources: Sources,
     links: links::Links,
     /// Schedules among the files (not links files) in which no activity stands.
     empty_files: Vec<usize>,
@@ -90,12 +80,12 @@ struct Collected {
 impl Collected {
     /// Index of the file that is being read.
     fn current_file(&self) -> usize {
-        self.files.len().saturating_sub(1)
+        self.sources.files.len().saturating_sub(1)
     }
 
-    /// A place in words.
-    fn describe(&self, place: Place) -> String {
-        describe(&self.files, place)
+    /// A line of the file that is being read.
+    fn line(&self, line: usize) -> Place {
+        Place::new(self.current_file(), line, 0)
     }
 
     /// Takes the value of a date; what is not one is reported and missing.
@@ -110,7 +100,7 @@ impl Collected {
             let subject = if id.is_empty() { what } else { id };
             self.diagnostics.add(Severity::Error, "bad-date", subject, || {
                 let of = if id.is_empty() { String::new() } else { format!(" of {id:?}") };
-                format!("{}: {what}{of}: {error}", describe(&self.files, place))
+                format!("{}: {what}{of}: {error}", self.sources.describe(place))
             });
         })
         .ok()
@@ -126,38 +116,26 @@ impl Collected {
     fn finish(mut self) -> Result<Schedule, ReadError> {
         links::attach(&mut self);
         for &file in &self.empty_files {
-            let name = &self.files[file];
+            let name = &self.sources.files[file];
             self.diagnostics.add(Severity::Error, "empty-schedule", name, || {
                 format!("{name}: there is no activity in it")
             });
         }
         if let Some(bad) = self.diagnostics.get("bad-date")
             && self.activities.iter().all(|a| a.dates().is_none())
-            && self.places.iter().any(|&(_, reported)| reported)
+            && self.sources.activities.iter().any(|s| s.dates_reported)
         {
             return Err(ReadError::NoReadableDates { first: bad.message.clone() });
         }
-        let origin = |i: usize| {
-            let (place, reported) = self.places[i];
-            Origin { place: describe(&self.files, place), reported }
-        };
         let mut schedule = Schedule::validate(
             self.project,
             (self.start, self.end),
             self.activities,
-            origin,
+            self.sources,
             self.diagnostics,
         );
         schedule.fields = self.fields;
         Ok(schedule)
-    }
-}
-
-fn describe(files: &[String], place: Place) -> String {
-    let (file, line) = (&files[place.file], place.line);
-    match place.number {
-        Some(number) => format!("{file}: line {line}, activity {number}"),
-        None => format!("{file}: line {line}"),
     }
 }
 
@@ -186,7 +164,7 @@ impl Collected {
         let kind = given(kind).map_or_else(Default::default, |word| {
             crate::ActivityKind::from_word(word.trim()).unwrap_or_else(|| {
                 self.diagnostics.add(Severity::Warning, "unknown-kind", &id, || {
-                    let place = describe(&self.files, place);
+                    let place = self.sources.describe(place);
                     format!("{place}: kind {word:?} of {id:?} is unknown; taken as construct")
                 });
                 Default::default()
@@ -195,14 +173,15 @@ impl Collected {
         let active = given(active).is_none_or(|word| {
             active_from_word(word.trim()).unwrap_or_else(|| {
                 self.diagnostics.add(Severity::Warning, "unknown-active", &id, || {
-                    let place = describe(&self.files, place);
+                    let place = self.sources.describe(place);
                     format!("{place}: active {word:?} of {id:?} is neither true nor false; taken as true")
                 });
                 true
             })
         });
         self.activities.push(Activity { id, name, start, end, kind, active, elements, fields });
-        self.places.push((place, reported));
+        let source = Source { place, dates_reported: reported, links: Vec::new() };
+        self.sources.activities.push(source);
     }
 }
 
