@@ -6,7 +6,9 @@
 mod geometry;
 pub mod hdlod;
 pub mod import;
+pub mod link;
 mod optimizer;
+pub mod pick;
 mod progress;
 #[allow(clippy::module_inception)]
 mod scene;

@@ -3,7 +3,7 @@
 use crate::{Aabb, Mesh};
 use glam::{Affine3A, DVec3};
 use std::ops::Range;
-use topout_schedule::{Behaviour, Diagnostics, Schedule};
+use topout_schedule::{Behaviour, Diagnostics, Schedule, Time};
 
 macro_rules! id {
     ($(#[$doc:meta])* $name:ident) => {
@@ -166,6 +166,15 @@ impl Scene {
             (Some(&from), Some(&to)) => &self.activity_links[from as usize..to as usize],
             _ => &[],
         }
+    }
+
+    /// Elements and triangles that are present at a date, before any culling.
+    pub fn present_counts(&self, time: Time) -> (usize, usize) {
+        let present: Vec<bool> = self.behaviours.iter().map(|b| b.at(time)).collect();
+        let there = self.model.elements.iter().zip(&self.element_behaviour);
+        there.filter(|(_, b)| present[b.index()]).fold((0, 0), |(elements, triangles), (e, _)| {
+            (elements + 1, triangles + self.model.triangles_of(e))
+        })
     }
 
     /// The box that the standard views fit: that of all elements which some activity touches, of
