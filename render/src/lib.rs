@@ -1,1 +1,22 @@
 //! Everything on the GPU: uploads, passes, timing, read-back.
+//!
+//! A [`Renderer`] lives long and holds one scene; every frame it is told what to show
+//! ([`FrameInput`]), draws it offscreen and says what it did ([`FrameStats`]). It knows nothing of
+//! windows: a window composites [`Renderer::color_view`], the command line reads it back.
+
+mod draw_list;
+mod frame;
+mod gpu;
+mod passes;
+mod pool;
+mod readback;
+mod renderer;
+mod targets;
+mod timing;
+
+pub use gpu::{Gpu, GpuError, device_descriptor, instance_descriptor};
+pub use readback::Picture;
+pub use renderer::{Antialias, DrawMode, FrameInput, FrameStats, Options, Renderer};
+
+#[cfg(test)]
+mod tests;

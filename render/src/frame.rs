@@ -1,0 +1,87 @@
+//! What the shaders know of a frame.
+
+use glam::{Mat4, Vec2, Vec3};
+use topout_scene::{Aabb, Projection, View};
+
+/// The twin of `Frame` in `shaders/common/frame.wgsl`; a test compares the two.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, bytemuck::Pod, bytemuck::Zeroable)]
+pub(crate) struct FrameUniform {
+    pub clip_from_world: Mat4,
+    pub eye: Vec3,
+    pub parallel: f32,
+    pub forward: Vec3,
+    pub ground: f32,
+    pub right: Vec3,
+    pub haze_m: f32,
+    pub up: Vec3,
+    pub grid_m: f32,
+    pub sun: Vec3,
+    pub height_m: f32,
+    pub middle: Vec2,
+    pub half_extent: Vec2,
+    pub size: Vec2,
+    pub bend: f32,
+    pub edges: f32,
+}
+
+/// Towards the sun: azimuth 68 degrees from +Z towards +X, 44 degrees high. Of the standard view's
+/// (azimuth 30, elevation 20) three visible sides, top, right and left, each gets its own tone.
+fn sun() -> Vec3 {
+    let (azimuth, elevation) = (68.0f32.to_radians(), 44.0f32.to_radians());
+    Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos())
+}
+
+/// Fine grid lines: a power of ten metres, about a hundredth of the scene.
+fn grid_spacing(extent: f32) -> f32 {
+    10.0f32.powf((extent.max(1.0) / 40.0).log10().ceil().clamp(-1.0, 4.0))
+}
+
+impl FrameUniform {
+    /// `bounds` is the box of the scene (any box where there is none), `edges` the strength of
+    /// the edge lines in [0, 1].
+    pub fn new(view: &View, bounds: &Aabb, edges: f32) -> Self {
+        let bounds = if bounds.is_empty() {
+            Aabb { min: Vec3::new(-10.0, 0.0, -10.0), max: Vec3::splat(10.0) }
+        } else {
+            *bounds
+        };
+        // In parallel projection the whole scene is shown, wherever the eye's plane is.
+        let reach =
+            bounds.corners().iter().fold(1.0f32, |r, c| r.max(c.distance(view.eye))) * 1.01 + 1.0;
+        let forward = view.forward();
+        let right = forward.cross(view.up).normalize_or(Vec3::X);
+        let up = right.cross(forward);
+        let size = view.size.as_vec2();
+        let (half_height, parallel, bend) = match view.projection {
+            Projection::Perspective { fov_y } => {
+                let half = (fov_y * 0.5).tan();
+                (half, 0.0, size.y * 0.5 / half)
+            }
+            Projection::Orthographic { height } => {
+                (height * 0.5, 1.0, 2.0 * reach * size.y / height)
+            }
+        };
+        let extent = bounds.size();
+        let center = bounds.center();
+        Self {
+            clip_from_world: view.clip_from_world(reach),
+            eye: view.eye,
+            parallel,
+            forward,
+            ground: bounds.min.y,
+            right: right * half_height * view.aspect(),
+            // Distance from the eye means nothing where rays are parallel.
+            haze_m: if parallel > 0.5 { f32::MAX } else { bounds.diameter().max(1.0) * 30.0 },
+            up: up * half_height,
+            grid_m: grid_spacing(extent.x.max(extent.z)),
+            sun: sun(),
+            height_m: extent.y.max(1.0),
+            middle: Vec2::new(center.x, center.z),
+            half_extent: Vec2::new(extent.x, extent.z) * 0.5,
+            size,
+            bend,
+            edges,
+        }
+    }
+}

@@ -1,0 +1,38 @@
+//! Sky and ground where nothing solid is.
+
+use super::{SceneBindings, ScenePipeline};
+use crate::gpu::Gpu;
+
+pub(super) const SHADER: &str = concat!(
+    include_str!("../../../shaders/common/frame.wgsl"),
+    include_str!("../../../shaders/common/light.wgsl"),
+    include_str!("../../../shaders/sky.wgsl"),
+);
+
+/// One triangle over the whole picture at infinite depth.
+#[derive(Debug)]
+pub(crate) struct Sky {
+    pipeline: wgpu::RenderPipeline,
+}
+
+impl Sky {
+    pub fn new(gpu: &Gpu, bindings: &SceneBindings, samples: u32) -> Self {
+        let pipeline = ScenePipeline {
+            label: "sky",
+            shader: SHADER,
+            vertex: "sky_vertex",
+            fragment: "sky_fragment",
+            from_pool: false,
+            blend: None,
+            write_depth: false,
+            compare: wgpu::CompareFunction::GreaterEqual,
+        }
+        .build(gpu, bindings, samples);
+        Self { pipeline }
+    }
+
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_pipeline(&self.pipeline);
+        pass.draw(0..3, 0..1);
+    }
+}

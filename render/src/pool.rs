@@ -1,0 +1,249 @@
+//! Geometry on the GPU: unique meshes, instances, materials, and the clusters beside them.
+
+use crate::gpu::{Gpu, GpuError};
+use bytemuck::{Pod, Zeroable};
+use glam::Affine3A;
+use topout_scene::{Hdlod, Material, Mesh, Scene, Vertex};
+use wgpu::BufferUsages;
+
+/// Bytes of one vertex.
+pub(crate) const VERTEX_BYTES: u64 = size_of::<Vertex>() as u64;
+/// Bytes of one index.
+pub(crate) const INDEX_BYTES: u64 = size_of::<u32>() as u64;
+/// Bytes of one instance.
+pub(crate) const INSTANCE_BYTES: u64 = size_of::<InstanceRow>() as u64;
+
+/// world_from_mesh as three rows, one per instance.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct InstanceRow {
+    pub rows: [[f32; 4]; 3],
+}
+
+impl From<&Affine3A> for InstanceRow {
+    fn from(a: &Affine3A) -> Self {
+        let (m, t) = (a.matrix3, a.translation);
+        let row = |i: usize| [m.x_axis[i], m.y_axis[i], m.z_axis[i], t[i]];
+        Self { rows: [row(0), row(1), row(2)] }
+    }
+}
+
+/// The twin of `Material` in `shaders/common/instance.wgsl`; a test compares the two.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, PartialEq, Pod, Zeroable)]
+pub(crate) struct MaterialRow {
+    pub color: [f32; 4],
+    pub roughness: f32,
+    pub metallic: f32,
+    pub padding: [f32; 2],
+}
+
+impl From<&Material> for MaterialRow {
+    fn from(m: &Material) -> Self {
+        Self { color: m.color, roughness: m.roughness, metallic: m.metallic, padding: [0.0; 2] }
+    }
+}
+
+/// Vertices and indices in two buffers.
+#[derive(Debug)]
+pub(crate) struct Geometry {
+    pub vertices: wgpu::Buffer,
+    pub indices: wgpu::Buffer,
+}
+
+/// Where a unique mesh lies in the pool.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct MeshRange {
+    pub base_vertex: u32,
+    pub first_index: u32,
+    /// Indices of the opaque triangles, which come first.
+    pub opaque: u32,
+    /// Indices of the transparent triangles, which follow.
+    pub transparent: u32,
+}
+
+/// Everything that the draw commands of a scene refer to.
+///
+/// The clusters of an HDLOD have buffers of their own beside those of the scene: they come and go
+/// without a copy of the scene's geometry, and each buffer stays below the adapter's limit for
+/// longer. They share instances and materials with it.
+#[derive(Debug)]
+pub(crate) struct Pool {
+    pub scene: Geometry,
+    pub clusters: Option<Geometry>,
+    /// One [`InstanceRow`] per model instance, then the identity for clusters.
+    pub instances: wgpu::Buffer,
+    pub materials: wgpu::Buffer,
+    pub meshes: Vec<MeshRange>,
+    /// Index of the identity in `instances`.
+    pub identity: u32,
+}
+
+impl Geometry {
+    fn new(
+        gpu: &Gpu,
+        labels: [&'static str; 2],
+        vertices: u64,
+        indices: u64,
+    ) -> Result<Self, GpuError> {
+        // A command's base vertex is an i32, its first index a u32.
+        let check = |what, count: u64, limit: u64| {
+            if count > limit {
+                return Err(GpuError::TooBig { what, bytes: count * 4, limit: limit * 4 });
+            }
+            Ok(())
+        };
+        check(labels[0], vertices, i32::MAX as u64)?;
+        check(labels[1], indices, u64::from(u32::MAX))?;
+        let usage = BufferUsages::COPY_DST;
+        Ok(Self {
+            vertices: gpu.buffer(
+                labels[0],
+                vertices * VERTEX_BYTES,
+                usage | BufferUsages::VERTEX,
+            )?,
+            indices: gpu.buffer(labels[1], indices * INDEX_BYTES, usage | BufferUsages::INDEX)?,
+        })
+    }
+
+    fn bytes(&self) -> u64 {
+        self.vertices.size() + self.indices.size()
+    }
+}
+
+impl Pool {
+    /// Uploads a scene.
+    ///
+    /// # Errors
+    /// If it does not fit on the device.
+    pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, GpuError> {
+        let model = &scene.model;
+        let meshes = mesh_ranges(&model.meshes)?;
+        let count = |f: fn(&Mesh) -> usize| model.meshes.iter().map(|m| f(m) as u64).sum::<u64>();
+        let geometry = Geometry::new(
+            gpu,
+            ["scene vertices", "scene indices"],
+            count(|m| m.vertices.len()),
+            count(|m| m.indices.len()),
+        )?;
+        let usage = BufferUsages::COPY_DST;
+        let instance_bytes = (model.instances.len() as u64 + 1) * INSTANCE_BYTES;
+        let instances = gpu.buffer("instances", instance_bytes, usage | BufferUsages::VERTEX)?;
+        let material_bytes = model.materials.len().max(1) * size_of::<MaterialRow>();
+        let materials =
+            gpu.buffer("materials", material_bytes as u64, usage | BufferUsages::STORAGE)?;
+
+        let mut upload = Upload::new(gpu, &geometry.vertices);
+        model.meshes.iter().for_each(|m| upload.push(&m.vertices));
+        upload.finish();
+        let mut upload = Upload::new(gpu, &geometry.indices);
+        model.meshes.iter().for_each(|m| upload.push(&m.indices));
+        upload.finish();
+        let mut upload = Upload::new(gpu, &instances);
+        for instance in &model.instances {
+            upload.push(&[InstanceRow::from(&instance.world_from_mesh)]);
+        }
+        upload.push(&[InstanceRow::from(&Affine3A::IDENTITY)]);
+        upload.finish();
+        let rows: Vec<MaterialRow> = model.materials.iter().map(MaterialRow::from).collect();
+        let mut upload = Upload::new(gpu, &materials);
+        upload.push(&rows);
+        upload.finish();
+
+        let identity = model.instances.len() as u32;
+        Ok(Self { scene: geometry, clusters: None, instances, materials, meshes, identity })
+    }
+
+    /// Adds the geometry of clusters, in place of what was there before.
+    ///
+    /// # Errors
+    /// If it does not fit on the device; there are no clusters then.
+    pub fn set_clusters(&mut self, gpu: &Gpu, hdlod: &Hdlod) -> Result<(), GpuError> {
+        self.clusters = None;
+        let geometry = Geometry::new(
+            gpu,
+            ["cluster vertices", "cluster indices"],
+            hdlod.vertices.len() as u64,
+            hdlod.indices.len() as u64,
+        )?;
+        let mut upload = Upload::new(gpu, &geometry.vertices);
+        upload.push(&hdlod.vertices);
+        upload.finish();
+        let mut upload = Upload::new(gpu, &geometry.indices);
+        upload.push(&hdlod.indices);
+        upload.finish();
+        self.clusters = Some(geometry);
+        Ok(())
+    }
+
+    /// Bytes on the GPU.
+    pub fn bytes(&self) -> u64 {
+        self.scene.bytes()
+            + self.clusters.as_ref().map_or(0, Geometry::bytes)
+            + self.instances.size()
+            + self.materials.size()
+    }
+}
+
+/// Meshes one after the other.
+fn mesh_ranges(meshes: &[Mesh]) -> Result<Vec<MeshRange>, GpuError> {
+    let (mut base_vertex, mut first_index) = (0u64, 0u64);
+    let too_big = |what, bytes| GpuError::TooBig { what, bytes, limit: u64::from(u32::MAX) };
+    meshes
+        .iter()
+        .map(|mesh| {
+            let range = MeshRange {
+                base_vertex: u32::try_from(base_vertex)
+                    .map_err(|_| too_big("scene vertices", base_vertex * VERTEX_BYTES))?,
+                first_index: u32::try_from(first_index)
+                    .map_err(|_| too_big("scene indices", first_index * INDEX_BYTES))?,
+                opaque: mesh.opaque,
+                transparent: mesh.indices.len() as u32 - mesh.opaque,
+            };
+            base_vertex += mesh.vertices.len() as u64;
+            first_index += mesh.indices.len() as u64;
+            Ok(range)
+        })
+        .collect()
+}
+
+/// Fills a buffer piece by piece, so that many small meshes make few writes and a huge table does
+/// not exist twice on the way.
+struct Upload<'a> {
+    gpu: &'a Gpu,
+    buffer: &'a wgpu::Buffer,
+    staging: Vec<u8>,
+    offset: u64,
+}
+
+impl<'a> Upload<'a> {
+    /// 8 MiB a write.
+    const PIECE: usize = 8 << 20;
+
+    fn new(gpu: &'a Gpu, buffer: &'a wgpu::Buffer) -> Self {
+        Self { gpu, buffer, staging: Vec::new(), offset: 0 }
+    }
+
+    fn push<T: Pod>(&mut self, items: &[T]) {
+        for piece in bytemuck::cast_slice(items).chunks(Self::PIECE) {
+            if self.staging.len() + piece.len() > Self::PIECE {
+                self.flush();
+            }
+            self.staging.extend_from_slice(piece);
+        }
+    }
+
+    fn flush(&mut self) {
+        if !self.staging.is_empty() {
+            self.gpu.queue.write_buffer(self.buffer, self.offset, &self.staging);
+            self.offset += self.staging.len() as u64;
+            self.staging.clear();
+            // Sends the write on its way, else all pieces pile up in staging memory.
+            self.gpu.queue.submit([]);
+        }
+    }
+
+    fn finish(mut self) {
+        self.flush();
+    }
+}

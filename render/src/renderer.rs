@@ -1,0 +1,544 @@
+//! The renderer: one scene, one picture a frame.
+
+use crate::draw_list::DrawList;
+use crate::frame::FrameUniform;
+use crate::gpu::{Gpu, GpuError};
+use crate::passes::{Glass, Post, SceneBindings, Sky, Solid};
+use crate::pool::{Geometry, INDEX_BYTES, INSTANCE_BYTES, Pool, VERTEX_BYTES};
+use crate::readback::{Picture, texture_bytes};
+use crate::targets::Targets;
+use crate::timing::GpuTimer;
+use glam::UVec2;
+use std::sync::Arc;
+use std::time::Instant;
+use topout_scene::{Aabb, Hdlod, Scene, View, hdlod};
+use topout_schedule::Time;
+use wgpu::util::DrawIndexedIndirectArgs as Command;
+
+/// How the picture is made of the scene.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum DrawMode {
+    /// The cut of the HDLOD; [`DrawMode::Batched`] as long as there is none.
+    #[default]
+    Hdlod,
+    /// Every present element inside the frame at full detail, one indirect multi-draw a layer:
+    /// what a good engineer would do without HDLOD (R12).
+    Batched,
+    /// Every present element inside the frame with draw calls and state of its own: the paper's
+    /// baseline (R12).
+    Objects,
+}
+
+/// How edges are kept from looking like stairs.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Antialias {
+    /// Not at all.
+    Off,
+    /// By a blend along edges in the last pass; cheap also in software.
+    Smooth,
+    /// By four samples a pixel; a factor 2 to 3 in software.
+    Msaa4,
+}
+
+/// Settings that seldom change.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Options {
+    /// Chosen by the kind of adapter unless overridden.
+    pub antialias: Antialias,
+    /// Strength of the thin edge lines in [0, 1]; 0 for none.
+    pub edges: f32,
+    /// Whether elements outside the frame are left out by the CPU. Off only to test that it makes
+    /// no difference.
+    pub culling: bool,
+}
+
+impl Options {
+    /// What suits the adapter.
+    pub fn for_gpu(gpu: &Gpu) -> Self {
+        let antialias = if gpu.is_software() { Antialias::Smooth } else { Antialias::Msaa4 };
+        Self { antialias, edges: 0.45, culling: true }
+    }
+}
+
+/// What to show.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct FrameInput {
+    /// Camera, size of the picture and tolerance.
+    pub view: View,
+    /// The instant that is shown.
+    pub time: Time,
+    /// How.
+    pub mode: DrawMode,
+}
+
+/// What a frame cost and drew.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct FrameStats {
+    /// Milliseconds of choosing what to draw: selection, presence and culling.
+    pub select_ms: f64,
+    /// Milliseconds of writing and encoding commands, on the CPU.
+    pub cpu_ms: f64,
+    /// Milliseconds on the GPU of the latest frame known; `None` without timestamps, and before
+    /// the first frame has come back. [`Renderer::gpu_ms`] after [`Renderer::wait_idle`] is that
+    /// of the last frame.
+    pub gpu_ms: Option<f64>,
+    /// Draw commands, those of one multi-draw counted each.
+    pub draws: u64,
+    /// Triangles of all commands.
+    pub triangles: u64,
+    /// Clusters drawn.
+    pub clusters: u32,
+    /// Elements drawn exactly.
+    pub elements: u32,
+    /// Nodes looked at in the selection; elements looked at in the other modes.
+    pub visited: u32,
+    /// Largest certified error of a drawn cluster, physical pixels.
+    pub worst_px: f32,
+}
+
+/// Pipelines that depend on the number of samples.
+#[derive(Debug)]
+struct Passes {
+    solid: Solid,
+    glass: Glass,
+    sky: Sky,
+    post: Post,
+    samples: u32,
+}
+
+impl Passes {
+    fn new(gpu: &Gpu, bindings: &SceneBindings, antialias: Antialias) -> Self {
+        let samples = if antialias == Antialias::Msaa4 { 4 } else { 1 };
+        Self {
+            solid: Solid::new(gpu, bindings, samples),
+            glass: Glass::new(gpu, bindings, samples),
+            sky: Sky::new(gpu, bindings, samples),
+            post: Post::new(gpu, samples, antialias == Antialias::Smooth),
+            samples,
+        }
+    }
+}
+
+/// Where the commands of a frame lie in the indirect buffer, bytes.
+#[derive(Clone, Copy, Debug, Default)]
+struct CommandOffsets {
+    element_opaque: u64,
+    element_transparent: u64,
+    cluster_opaque: u64,
+    cluster_transparent: u64,
+}
+
+/// Draws one scene offscreen, a picture at a time.
+#[derive(Debug)]
+pub struct Renderer {
+    gpu: Gpu,
+    options: Options,
+    bindings: SceneBindings,
+    passes: Passes,
+    frame: wgpu::Buffer,
+    empty_materials: wgpu::Buffer,
+    scene_group: wgpu::BindGroup,
+    targets: Targets,
+    post_group: wgpu::BindGroup,
+    commands: wgpu::Buffer,
+    command_bytes: Vec<u8>,
+    timer: Option<GpuTimer>,
+    list: DrawList,
+    pool: Option<Pool>,
+    scene: Option<Arc<Scene>>,
+    hdlod: Option<Arc<Hdlod>>,
+    bounds: Aabb,
+}
+
+impl Renderer {
+    /// A renderer without a scene; shows sky and ground until [`Renderer::set_scene`].
+    ///
+    /// # Panics
+    /// If the device cannot hold a few small buffers.
+    pub fn new(gpu: &Gpu) -> Self {
+        let options = Options::for_gpu(gpu);
+        let bindings = SceneBindings::new(gpu);
+        let passes = Passes::new(gpu, &bindings, options.antialias);
+        let usage = wgpu::BufferUsages::COPY_DST;
+        let small = |label, bytes, usage| {
+            gpu.buffer(label, bytes, usage).expect("a device holds a few small buffers")
+        };
+        let frame_bytes = size_of::<FrameUniform>() as u64;
+        let frame = small("frame", frame_bytes, usage | wgpu::BufferUsages::UNIFORM);
+        let empty_materials = small("no materials", 64, usage | wgpu::BufferUsages::STORAGE);
+        let commands = small("draw commands", 1 << 16, usage | wgpu::BufferUsages::INDIRECT);
+        let scene_group = bindings.bind(gpu, &frame, &empty_materials);
+        let targets = Targets::new(gpu, UVec2::ONE, passes.samples);
+        let post_group = passes.post.bind(gpu, &frame, &targets.scene.view, &targets.depth.view);
+        Self {
+            gpu: gpu.clone(),
+            options,
+            bindings,
+            passes,
+            frame,
+            empty_materials,
+            scene_group,
+            targets,
+            post_group,
+            commands,
+            command_bytes: Vec::new(),
+            timer: GpuTimer::new(gpu),
+            list: DrawList::default(),
+            pool: None,
+            scene: None,
+            hdlod: None,
+            bounds: Aabb::EMPTY,
+        }
+    }
+
+    /// The settings in force.
+    pub fn options(&self) -> Options {
+        self.options
+    }
+
+    /// Changes the settings; builds new pipelines where they need them.
+    pub fn set_options(&mut self, options: Options) {
+        if options.antialias != self.options.antialias {
+            self.passes = Passes::new(&self.gpu, &self.bindings, options.antialias);
+            self.new_targets(self.targets.size);
+        }
+        self.options = options;
+    }
+
+    /// Uploads a scene in place of the one before, whose HDLOD goes with it.
+    ///
+    /// # Errors
+    /// If it does not fit on the device; there is no scene then.
+    pub fn set_scene(&mut self, scene: &Arc<Scene>) -> Result<(), GpuError> {
+        // First let go of the old one: there may not be room for both.
+        self.pool = None;
+        self.scene = None;
+        self.hdlod = None;
+        self.bounds = Aabb::EMPTY;
+        self.scene_group = self.bindings.bind(&self.gpu, &self.frame, &self.empty_materials);
+        let pool = Pool::new(&self.gpu, scene)?;
+        self.scene_group = self.bindings.bind(&self.gpu, &self.frame, &pool.materials);
+        self.pool = Some(pool);
+        self.bounds = scene.model.bounds();
+        self.scene = Some(Arc::clone(scene));
+        Ok(())
+    }
+
+    /// Uploads the clusters of the scene that is set, in place of those before.
+    ///
+    /// # Errors
+    /// If they do not fit on the device; there are none then.
+    pub fn set_hdlod(&mut self, hdlod: &Arc<Hdlod>) -> Result<(), GpuError> {
+        self.hdlod = None;
+        if let Some(pool) = &mut self.pool {
+            pool.set_clusters(&self.gpu, hdlod)?;
+            self.hdlod = Some(Arc::clone(hdlod));
+        }
+        Ok(())
+    }
+
+    /// Lets go of the clusters.
+    pub fn clear_hdlod(&mut self) {
+        self.hdlod = None;
+        if let Some(pool) = &mut self.pool {
+            pool.clusters = None;
+        }
+    }
+
+    /// Whether [`DrawMode::Hdlod`] has a tree to cut.
+    pub fn has_hdlod(&self) -> bool {
+        self.hdlod.is_some()
+    }
+
+    /// Draws a picture of `input.view.size` (held within what the adapter can) and returns without
+    /// waiting for the GPU.
+    pub fn render(&mut self, input: &FrameInput) -> FrameStats {
+        let largest = self.gpu.device.limits().max_texture_dimension_2d;
+        let mut view = input.view;
+        view.size = view.size.clamp(UVec2::ONE, UVec2::splat(largest));
+        if self.targets.size != view.size {
+            self.new_targets(view.size);
+        }
+        let start = Instant::now();
+        let mut stats = self.select(&view, input.time, input.mode);
+        let selected = Instant::now();
+        stats.select_ms = (selected - start).as_secs_f64() * 1e3;
+        self.encode(&view, input.mode);
+        stats.cpu_ms = selected.elapsed().as_secs_f64() * 1e3;
+        stats.draws = (self.list.elements.len() + self.list.clusters.len()) as u64;
+        stats.triangles = self.list.elements.triangles() + self.list.clusters.triangles();
+        stats.elements = self.list.visible.len() as u32;
+        stats.gpu_ms = self.gpu_ms();
+        stats
+    }
+
+    /// What is shown: `Rgba8Unorm` holding sRGB-encoded colour with alpha 1, of the size of the
+    /// last frame's view. A new texture after every change of that size.
+    pub fn color_view(&self) -> &wgpu::TextureView {
+        &self.targets.output.view
+    }
+
+    /// Size of the last picture in physical pixels.
+    pub fn size(&self) -> UVec2 {
+        self.targets.size
+    }
+
+    /// Waits until the GPU has finished every frame.
+    pub fn wait_idle(&mut self) {
+        self.gpu.wait();
+    }
+
+    /// Milliseconds that the GPU spent on the latest frame known to be finished; `None` where the
+    /// adapter has no timestamps.
+    pub fn gpu_ms(&mut self) -> Option<f64> {
+        self.timer.as_mut().and_then(GpuTimer::latest_ms)
+    }
+
+    /// Bytes that buffers and textures hold on the GPU.
+    pub fn gpu_bytes(&self) -> u64 {
+        self.pool.as_ref().map_or(0, Pool::bytes)
+            + self.targets.bytes()
+            + self.commands.size()
+            + self.frame.size()
+            + self.empty_materials.size()
+    }
+
+    /// The last picture, after waiting for it.
+    ///
+    /// # Errors
+    /// If the device fails or has no memory left.
+    pub fn read_back(&mut self) -> Result<Picture, GpuError> {
+        let mut rgba = texture_bytes(&self.gpu, &self.targets.output.texture)?;
+        let scene = texture_bytes(&self.gpu, &self.targets.scene.texture)?;
+        // The scene's alpha is set by what was drawn, before any softening.
+        for (shown, drawn) in rgba.chunks_exact_mut(4).zip(scene.chunks_exact(4)) {
+            shown[3] = if drawn[3] > 0 { 255 } else { 0 };
+        }
+        let size = self.targets.size;
+        Ok(Picture { width: size.x, height: size.y, rgba })
+    }
+
+    fn new_targets(&mut self, size: UVec2) {
+        self.targets = Targets::new(&self.gpu, size, self.passes.samples);
+        self.post_group = self.passes.post.bind(
+            &self.gpu,
+            &self.frame,
+            &self.targets.scene.view,
+            &self.targets.depth.view,
+        );
+    }
+
+    /// Fills the draw list.
+    fn select(&mut self, view: &View, time: Time, mode: DrawMode) -> FrameStats {
+        let mut stats = FrameStats::default();
+        self.list.clear();
+        let (Some(scene), Some(pool)) = (&self.scene, &self.pool) else {
+            return stats;
+        };
+        match (&self.hdlod, mode) {
+            (Some(tree), DrawMode::Hdlod) => {
+                let mut selection = hdlod::select(scene, tree, view, time);
+                self.list.visible.append(&mut selection.elements);
+                self.list.push_spans(&selection.spans, pool.identity);
+                stats.clusters = selection.clusters;
+                stats.visited = selection.visited;
+                stats.worst_px = selection.worst_px;
+            }
+            _ => {
+                self.list.gather_visible(scene, view, time, self.options.culling);
+                stats.visited = scene.model.elements.len() as u32;
+            }
+        }
+        self.list.push_elements(&scene.model, &pool.meshes);
+        stats
+    }
+
+    /// Writes and submits the commands of a frame.
+    fn encode(&mut self, view: &View, mode: DrawMode) {
+        let uniform = FrameUniform::new(view, &self.bounds, self.options.edges);
+        self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
+        let indirect =
+            mode != DrawMode::Objects && self.gpu.has(wgpu::Features::INDIRECT_FIRST_INSTANCE);
+        let offsets = indirect.then(|| self.write_commands()).flatten();
+        let mut encoder = self
+            .gpu
+            .device
+            .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
+        self.draw_scene(&mut encoder, mode, offsets);
+        self.draw_post(&mut encoder);
+        if let Some(timer) = &mut self.timer {
+            timer.resolve(&mut encoder);
+        }
+        self.gpu.queue.submit([encoder.finish()]);
+        if let Some(timer) = &mut self.timer {
+            timer.submitted();
+        }
+    }
+
+    /// Brings all commands into the indirect buffer with one write. `None` where they do not fit;
+    /// they are drawn directly then.
+    fn write_commands(&mut self) -> Option<CommandOffsets> {
+        let bytes = &mut self.command_bytes;
+        bytes.clear();
+        let mut push = |commands: &[Command]| {
+            let offset = bytes.len() as u64;
+            for command in commands {
+                bytes.extend_from_slice(command.as_bytes());
+            }
+            offset
+        };
+        let offsets = CommandOffsets {
+            element_opaque: push(&self.list.elements.opaque),
+            element_transparent: push(&self.list.elements.transparent),
+            cluster_opaque: push(&self.list.clusters.opaque),
+            cluster_transparent: push(&self.list.clusters.transparent),
+        };
+        let needed = bytes.len() as u64;
+        if needed > self.commands.size() {
+            let usage = wgpu::BufferUsages::INDIRECT | wgpu::BufferUsages::COPY_DST;
+            let room = needed.next_power_of_two();
+            match self.gpu.buffer("draw commands", room, usage) {
+                Ok(buffer) => self.commands = buffer,
+                Err(error) => {
+                    tracing::warn!("{error}; drawing without indirect commands");
+                    return None;
+                }
+            }
+        }
+        if needed > 0 {
+            self.gpu.queue.write_buffer(&self.commands, 0, &self.command_bytes);
+        }
+        Some(offsets)
+    }
+
+    fn draw_scene(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        mode: DrawMode,
+        offsets: Option<CommandOffsets>,
+    ) {
+        let (view, resolve_target) = match &self.targets.many {
+            Some(many) => (&many.view, Some(&self.targets.scene.view)),
+            None => (&self.targets.scene.view, None),
+        };
+        let store =
+            if resolve_target.is_some() { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("scene"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view,
+                depth_slice: None,
+                resolve_target,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                    store,
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &self.targets.depth.view,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store: wgpu::StoreOp::Store,
+                }),
+                stencil_ops: None,
+            }),
+            timestamp_writes: self.timer.as_ref().map(GpuTimer::first_pass),
+            ..Default::default()
+        });
+        pass.set_bind_group(0, &self.scene_group, &[]);
+        if let Some(pool) = &self.pool {
+            pass.set_pipeline(&self.passes.solid.pipeline);
+            let at = offsets.map(|o| (o.element_opaque, o.cluster_opaque));
+            let (elements, clusters) = (&self.list.elements.opaque, &self.list.clusters.opaque);
+            self.draw_layer(&mut pass, pool, mode, elements, clusters, at);
+        }
+        self.passes.sky.draw(&mut pass);
+        if let Some(pool) = &self.pool {
+            pass.set_pipeline(&self.passes.glass.pipeline);
+            let at = offsets.map(|o| (o.element_transparent, o.cluster_transparent));
+            let list = &self.list;
+            let (elements, clusters) = (&list.elements.transparent, &list.clusters.transparent);
+            self.draw_layer(&mut pass, pool, mode, elements, clusters, at);
+        }
+    }
+
+    /// The elements and the clusters of one layer; `offsets` of their commands, in that order.
+    fn draw_layer(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pool: &Pool,
+        mode: DrawMode,
+        elements: &[Command],
+        clusters: &[Command],
+        offsets: Option<(u64, u64)>,
+    ) {
+        if mode == DrawMode::Objects {
+            return draw_one_by_one(pass, pool, elements);
+        }
+        self.draw_batch(pass, pool, &pool.scene, elements, offsets.map(|o| o.0));
+        if let Some(geometry) = &pool.clusters {
+            self.draw_batch(pass, pool, geometry, clusters, offsets.map(|o| o.1));
+        }
+    }
+
+    /// Commands on one geometry: a single multi-draw where the adapter allows it.
+    fn draw_batch(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pool: &Pool,
+        geometry: &Geometry,
+        commands: &[Command],
+        offset: Option<u64>,
+    ) {
+        if commands.is_empty() {
+            return;
+        }
+        pass.set_vertex_buffer(0, geometry.vertices.slice(..));
+        pass.set_vertex_buffer(1, pool.instances.slice(..));
+        pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
+        match offset {
+            Some(offset) => {
+                pass.multi_draw_indexed_indirect(&self.commands, offset, commands.len() as u32);
+            }
+            None => {
+                for c in commands {
+                    let indices = c.first_index..c.first_index + c.index_count;
+                    let instance = c.first_instance..c.first_instance + 1;
+                    pass.draw_indexed(indices, c.base_vertex, instance);
+                }
+            }
+        }
+    }
+
+    fn draw_post(&self, encoder: &mut wgpu::CommandEncoder) {
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("post"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: &self.targets.output.view,
+                depth_slice: None,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: wgpu::StoreOp::Store,
+                },
+            })],
+            timestamp_writes: self.timer.as_ref().map(GpuTimer::last_pass),
+            ..Default::default()
+        });
+        self.passes.post.draw(&mut pass, &self.post_group);
+    }
+}
+
+/// The paper's baseline (R12): every object brings its own mesh and its own place, as in a viewer
+/// that keeps them in buffers of their own.
+fn draw_one_by_one(pass: &mut wgpu::RenderPass<'_>, pool: &Pool, commands: &[Command]) {
+    for c in commands {
+        let vertices = c.base_vertex as u64 * VERTEX_BYTES;
+        let indices = u64::from(c.first_index) * INDEX_BYTES;
+        let instance = u64::from(c.first_instance) * INSTANCE_BYTES;
+        pass.set_vertex_buffer(0, pool.scene.vertices.slice(vertices..));
+        pass.set_vertex_buffer(1, pool.instances.slice(instance..instance + INSTANCE_BYTES));
+        pass.set_index_buffer(pool.scene.indices.slice(indices..), wgpu::IndexFormat::Uint32);
+        pass.draw_indexed(0..c.index_count, 0, 0..1);
+    }
+}

@@ -1,0 +1,68 @@
+//! The textures that a frame is drawn into.
+
+use crate::gpu::Gpu;
+use crate::passes::{DEPTH_FORMAT, OUTPUT_FORMAT, SCENE_FORMAT};
+use glam::UVec2;
+use wgpu::TextureUsages;
+
+/// A texture and the view of all of it.
+#[derive(Debug)]
+pub(crate) struct Target {
+    pub texture: wgpu::Texture,
+    pub view: wgpu::TextureView,
+}
+
+/// Textures of one size.
+#[derive(Debug)]
+pub(crate) struct Targets {
+    pub size: UVec2,
+    pub samples: u32,
+    /// Several samples a pixel; only where there is more than one.
+    pub many: Option<Target>,
+    /// The scene, one sample a pixel.
+    pub scene: Target,
+    pub depth: Target,
+    /// What is shown.
+    pub output: Target,
+}
+
+impl Targets {
+    pub fn new(gpu: &Gpu, size: UVec2, samples: u32) -> Self {
+        let attachment = TextureUsages::RENDER_ATTACHMENT;
+        let readable = attachment | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
+        let target = |label, format, samples, usage| {
+            let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some(label),
+                size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: samples,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage,
+                view_formats: &[],
+            });
+            let view = texture.create_view(&wgpu::TextureViewDescriptor {
+                label: Some(label),
+                ..Default::default()
+            });
+            Target { texture, view }
+        };
+        let depth_usage = attachment | TextureUsages::TEXTURE_BINDING;
+        Self {
+            size,
+            samples,
+            many: (samples > 1).then(|| target("scene samples", SCENE_FORMAT, samples, attachment)),
+            scene: target("scene", SCENE_FORMAT, 1, readable),
+            depth: target("depth", DEPTH_FORMAT, samples, depth_usage),
+            output: target("output", OUTPUT_FORMAT, 1, readable),
+        }
+    }
+
+    /// Bytes on the GPU, four a sample.
+    pub fn bytes(&self) -> u64 {
+        let pixels = u64::from(self.size.x) * u64::from(self.size.y);
+        let samples = u64::from(self.samples);
+        let many = if self.many.is_some() { samples } else { 0 };
+        pixels * 4 * (2 + samples + many)
+    }
+}

@@ -1,0 +1,29 @@
+// Everything transparent, over the solid parts: what is behind shines through, the sky is mirrored.
+
+@fragment
+fn glass(v: VertexOut) -> @location(0) vec4<f32> {
+    let view = to_eye(v.from_eye);
+    let normal = facing_normal(v, view);
+    let m = materials[v.material];
+    let n_eye = clamp(dot(normal, view), 0.0, 1.0);
+    let graze = 1.0 - n_eye;
+    let graze2 = graze * graze;
+    // A pane is modelled as a thin box: each of its two faces takes half, so that both together
+    // give the opacity of the material.
+    let body = 1.0 - sqrt(1.0 - clamp(m.color.a, 0.0, 1.0));
+    let mirror = 0.04 + 0.60 * graze2 * graze2 * graze;
+
+    let half_way = normalize(frame.sun + view);
+    let n_half = max(dot(normal, half_way), 0.0);
+    let n2 = n_half * n_half;
+    let n8 = n2 * n2 * n2 * n2;
+    let glint = n8 * n8 * n8 * n8 * 0.5 * max(dot(normal, frame.sun), 0.0);
+
+    let light = mix(AMBIENT_BELOW, AMBIENT_ABOVE, normal.y * 0.5 + 0.5)
+        + SUN * max(dot(normal, frame.sun), 0.0) * 0.4;
+    let tint = m.color.rgb * light;
+    let opacity = mirror + body * (1.0 - mirror);
+    let color = (sky(reflect(-view, normal)) * mirror + tint * body * (1.0 - mirror)
+        + SUN * glint) / opacity;
+    return vec4<f32>(display(color, length(v.from_eye)), opacity);
+}
