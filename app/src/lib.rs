@@ -1,3 +1,4 @@
 //! The program: command line, window and what they share. No algorithm lives here.
 
 pub mod project;
+pub mod window;

@@ -1,0 +1,277 @@
+//! Everything that the window can be asked for: one enum feeds menus, shortcuts and tooltips.
+
+use super::camera::Camera;
+use super::theme::Scheme;
+use crate::project::Request;
+use egui::{Key, Modifiers};
+use std::path::PathBuf;
+use topout_render::DrawMode;
+use topout_scene::{ElementId, NamedView};
+use topout_schedule::Time;
+
+/// A panel that folds.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Panel {
+    /// What is known of the selected element.
+    Inspector,
+    /// Transport, date and time axis.
+    Timeline,
+    /// Figures of the last frames.
+    Figures,
+    /// Findings in the data.
+    Diagnostics,
+    /// The paper's table, measured here.
+    Table,
+    /// The list of shortcuts.
+    Shortcuts,
+}
+
+/// A request of the user; [`super::AppState::apply`] carries it out.
+#[derive(Clone, PartialEq, Debug)]
+pub enum Command {
+    /// Ask for model files.
+    OpenModel,
+    /// Ask for schedule files.
+    OpenSchedule,
+    /// Load the built-in skyscraper.
+    OpenDemo,
+    /// Load what was named; the shown project stays until that succeeds.
+    Load(Request),
+    /// Files dropped on the window or chosen in a dialog, of any kind.
+    OpenFiles(Vec<PathBuf>),
+    /// Stop loading.
+    CancelLoading,
+    /// Tell the user what went wrong.
+    Report(String),
+    /// Close the message about what went wrong.
+    DismissError,
+    /// Close the window.
+    Quit,
+
+    /// Play or pause.
+    TogglePlay,
+    /// Move by a number of days.
+    StepDays(i64),
+    /// Go to an instant, held within the period.
+    JumpTo(Time),
+    /// Go to the first instant.
+    ToStart,
+    /// Go to the last instant.
+    ToEnd,
+    /// Days a second while playing.
+    SetSpeed(u32),
+    /// The next higher speed.
+    Faster,
+    /// The next lower speed.
+    Slower,
+
+    /// How the scene is drawn.
+    SetMode(DrawMode),
+    /// Largest error allowed on the picture, physical pixels.
+    SetTolerance(f32),
+    /// Build the tree again after its building was cancelled.
+    BuildHdlod,
+    /// Stop building the tree; the scene stays drawn in full detail.
+    CancelHdlod,
+
+    /// Show everything.
+    Fit,
+    /// Show the selected element.
+    FitSelection,
+    /// Look from a standard direction.
+    LookFrom(NamedView),
+    /// Move the camera as a gesture says.
+    MoveCamera(Camera),
+    /// Select an element or nothing.
+    Select(Option<ElementId>),
+
+    /// Show or hide a panel.
+    Toggle(Panel),
+    /// Dark, light or as the system says.
+    SetScheme(Scheme),
+    /// Dark to light and back.
+    ToggleScheme,
+
+    /// Measure the paper's table on the current model.
+    MeasureTable,
+    /// Stop measuring.
+    CancelTable,
+    /// Put a text on the clipboard.
+    Copy(String),
+}
+
+/// Keys that ask for something.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Shortcut {
+    /// Exactly these must be held.
+    pub modifiers: Modifiers,
+    /// And this one pressed.
+    pub key: Key,
+}
+
+impl Shortcut {
+    const fn key(key: Key) -> Self {
+        Self { modifiers: Modifiers::NONE, key }
+    }
+
+    const fn shift(key: Key) -> Self {
+        Self { modifiers: Modifiers::SHIFT, key }
+    }
+
+    const fn command(key: Key) -> Self {
+        Self { modifiers: Modifiers::COMMAND, key }
+    }
+
+    const fn command_shift(key: Key) -> Self {
+        Self { modifiers: Modifiers::COMMAND.plus(Modifiers::SHIFT), key }
+    }
+
+    /// As written in menus and in the manual: `Ctrl+Shift+O`.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        if self.modifiers.command {
+            text.push_str(if cfg!(target_os = "macos") { "Cmd+" } else { "Ctrl+" });
+        }
+        if self.modifiers.shift {
+            text.push_str("Shift+");
+        }
+        text + match self.key {
+            Key::ArrowLeft => "Left",
+            Key::ArrowRight => "Right",
+            Key::OpenBracket => "[",
+            Key::CloseBracket => "]",
+            key => key.name(),
+        }
+    }
+}
+
+/// A command with a name of its own and perhaps keys.
+#[derive(Clone, Debug)]
+pub struct Action {
+    /// What it asks for.
+    pub command: Command,
+    /// Name in menus.
+    pub name: &'static str,
+    /// Keys.
+    pub shortcut: Option<Shortcut>,
+    /// Whether holding the keys repeats it.
+    pub repeats: bool,
+}
+
+/// Every named command, in the order of the menus.
+pub fn actions() -> Vec<Action> {
+    use Command as C;
+    use Shortcut as S;
+    let action = |command, name, shortcut| Action { command, name, shortcut, repeats: false };
+    let step = |days, name, shortcut| Action {
+        command: C::StepDays(days),
+        name,
+        shortcut: Some(shortcut),
+        repeats: true,
+    };
+    vec![
+        action(C::OpenModel, "Open model…", Some(S::command(Key::O))),
+        action(C::OpenSchedule, "Open schedule…", Some(S::command_shift(Key::O))),
+        action(C::OpenDemo, "Open demo project", Some(S::command(Key::D))),
+        action(C::Quit, "Quit", Some(S::command(Key::Q))),
+        action(C::Fit, "Fit all", Some(S::key(Key::F))),
+        action(C::FitSelection, "Fit selection", Some(S::shift(Key::F))),
+        action(C::Select(None), "Clear selection", Some(S::key(Key::Escape))),
+        action(C::LookFrom(NamedView::Front), "Front", Some(S::key(Key::Num1))),
+        action(C::LookFrom(NamedView::Back), "Back", Some(S::key(Key::Num2))),
+        action(C::LookFrom(NamedView::Left), "Left", Some(S::key(Key::Num3))),
+        action(C::LookFrom(NamedView::Right), "Right", Some(S::key(Key::Num4))),
+        action(C::LookFrom(NamedView::Top), "Top", Some(S::key(Key::Num5))),
+        action(C::LookFrom(NamedView::Iso), "Iso", Some(S::key(Key::Num6))),
+        action(C::SetMode(DrawMode::Hdlod), "Draw HDLOD", Some(S::key(Key::H))),
+        action(C::SetMode(DrawMode::Batched), "Draw batched", Some(S::key(Key::B))),
+        action(C::SetMode(DrawMode::Objects), "Draw objects", Some(S::key(Key::O))),
+        action(C::Toggle(Panel::Inspector), "Inspector", Some(S::key(Key::I))),
+        action(C::Toggle(Panel::Timeline), "Timeline", Some(S::key(Key::T))),
+        action(C::Toggle(Panel::Figures), "Frame figures", Some(S::key(Key::P))),
+        action(C::Toggle(Panel::Diagnostics), "Diagnostics", Some(S::key(Key::D))),
+        action(C::ToggleScheme, "Dark or light", Some(S::key(Key::L))),
+        action(C::TogglePlay, "Play or pause", Some(S::key(Key::Space))),
+        step(1, "Day forward", S::key(Key::ArrowRight)),
+        step(-1, "Day back", S::key(Key::ArrowLeft)),
+        step(7, "Week forward", S::shift(Key::ArrowRight)),
+        step(-7, "Week back", S::shift(Key::ArrowLeft)),
+        action(C::ToStart, "Start of project", Some(S::key(Key::Home))),
+        action(C::ToEnd, "End of project", Some(S::key(Key::End))),
+        action(C::Faster, "Play faster", Some(S::key(Key::CloseBracket))),
+        action(C::Slower, "Play slower", Some(S::key(Key::OpenBracket))),
+        action(C::Toggle(Panel::Table), "HDLOD table…", Some(S::command(Key::T))),
+        action(C::Toggle(Panel::Shortcuts), "Keyboard shortcuts", Some(S::key(Key::F1))),
+    ]
+}
+
+/// The commands that this frame's key presses ask for. Nothing while a text is being typed or a
+/// menu is open, which Escape and the arrows belong to.
+pub fn from_keys(ctx: &egui::Context) -> Vec<Command> {
+    if typing(ctx) || egui::Popup::is_any_open(ctx) {
+        return Vec::new();
+    }
+    let actions = actions();
+    let mut commands = Vec::new();
+    ctx.input_mut(|input| {
+        input.events.retain(|event| {
+            let egui::Event::Key { key, pressed: true, modifiers, repeat, .. } = event else {
+                return true;
+            };
+            let found = actions.iter().find(|a| {
+                a.shortcut.is_some_and(|s| s.key == *key && modifiers.matches_exact(s.modifiers))
+            });
+            let Some(action) = found else { return true };
+            if action.repeats || !repeat {
+                commands.push(action.command.clone());
+            }
+            false
+        });
+    });
+    commands
+}
+
+/// Whether the focused widget takes text.
+fn typing(ctx: &egui::Context) -> bool {
+    ctx.memory(|m| m.focused())
+        .is_some_and(|id| egui::text_edit::TextEditState::load(ctx, id).is_some())
+}
+
+/// The keys of a command, as written in menus; empty where there are none.
+pub fn keys_of(command: &Command) -> String {
+    actions()
+        .iter()
+        .find(|a| a.command == *command)
+        .and_then(|a| a.shortcut)
+        .map_or_else(String::new, |s| s.text())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_actions_share_keys_or_a_command() {
+        let actions = actions();
+        for (i, a) in actions.iter().enumerate() {
+            for b in &actions[i + 1..] {
+                assert_ne!(a.command, b.command, "{} and {}", a.name, b.name);
+                assert!(
+                    a.shortcut.is_none() || a.shortcut != b.shortcut,
+                    "{} and {} share keys",
+                    a.name,
+                    b.name
+                );
+            }
+        }
+    }
+
+    #[test]
+    fn keys_are_written_as_users_know_them() {
+        assert_eq!(keys_of(&Command::OpenSchedule), "Ctrl+Shift+O");
+        assert_eq!(keys_of(&Command::StepDays(7)), "Shift+Right");
+        assert_eq!(keys_of(&Command::Faster), "]");
+        assert_eq!(keys_of(&Command::TogglePlay), "Space");
+        assert_eq!(keys_of(&Command::CancelTable), "");
+    }
+}

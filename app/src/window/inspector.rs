@@ -1,0 +1,235 @@
+//! The right side: what is known of the selected element, or of the project.
+
+use super::calendar::short_date;
+use super::command::{Command, keys_of};
+use super::loading::Project;
+use super::state::AppState;
+use super::theme::{SMALL, kind_color, kind_name, palette};
+
+use egui::{Color32, Rect, RichText, ScrollArea, Sense, Stroke, Ui};
+use topout_scene::ElementId;
+use topout_schedule::{Activity, Behaviour, Preset, Time};
+
+/// Activities listed for one element; some schedules link a handful to every element.
+const LISTED: usize = 200;
+
+/// Draws the panel's content and collects what is asked for.
+pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    let Some(project) = &state.project else { return };
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match state.selected {
+        Some(element) => element_panel(ui, state, project, element, commands),
+        None => project_panel(ui, project),
+    });
+}
+
+fn row(ui: &mut Ui, name: &str, value: &str) {
+    if value.is_empty() {
+        return;
+    }
+    ui.label(RichText::new(name).color(palette(ui).weak));
+    ui.add(egui::Label::new(value).wrap().selectable(true));
+    ui.end_row();
+}
+
+fn rows(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
+    egui::Grid::new(id).num_columns(2).min_col_width(72.0).spacing([8.0, 4.0]).show(ui, add);
+}
+
+fn project_panel(ui: &mut Ui, project: &Project) {
+    let scene = &project.scene;
+    ui.heading(project.name());
+    ui.add_space(4.0);
+    rows(ui, "project", |ui| {
+        let elements = scene.model.elements.len();
+        row(ui, "Elements", &grouped(elements as u64));
+        row(ui, "Triangles", &grouped(project.triangles as u64));
+        row(ui, "Activities", &grouped(scene.schedule.activities.len() as u64));
+        let share = 100.0 * project.linked as f64 / elements.max(1) as f64;
+        row(ui, "Linked", &format!("{} ({share:.1} %)", grouped(project.linked as u64)));
+        row(ui, "Start", &short_date(scene.schedule.period.start));
+        row(ui, "End", &short_date(scene.schedule.period.end));
+    });
+    ui.add_space(12.0);
+    let hint = format!(
+        "Click an element to see its activities. Drag turns about the point under the cursor, \
+         Shift-drag or the middle button moves, the wheel zooms, {} shows everything.",
+        keys_of(&Command::Fit)
+    );
+    ui.label(RichText::new(hint).size(SMALL).color(palette(ui).weak));
+}
+
+fn element_panel(
+    ui: &mut Ui,
+    state: &AppState,
+    project: &Project,
+    id: ElementId,
+    commands: &mut Vec<Command>,
+) {
+    let scene = &project.scene;
+    let element = &scene.model.elements[id.index()];
+    let behaviour = scene.behaviour(id);
+    let names = [element.label.as_str(), &element.name, "unnamed element"];
+    let name = names.into_iter().find(|n| !n.is_empty()).unwrap_or_default();
+    ui.add(egui::Label::new(RichText::new(name).heading()).wrap().selectable(true));
+    ui.add_space(4.0);
+    rows(ui, "element", |ui| {
+        let own_name = if element.label.is_empty() { "" } else { element.name.as_str() };
+        row(ui, "Name", own_name);
+        row(ui, "Kind", &element.kind);
+        row(ui, "Storey", &element.storey);
+        let group = element.group.map(|g| &scene.model.groups[g.index()]);
+        let group = group.map(|g| if g.label.is_empty() { g.name.as_str() } else { &g.label });
+        row(ui, "Group", group.unwrap_or_default());
+        let guid = element.guid.as_deref().filter(|g| *g != element.name);
+        row(ui, "Guid", guid.unwrap_or_default());
+        row(ui, "Triangles", &grouped(scene.model.triangles_of(element) as u64));
+        let size = element.bounds.size();
+        row(ui, "Size", &format!("{:.2} × {:.2} × {:.2} m", size.x, size.z, size.y));
+    });
+    ui.horizontal(|ui| {
+        let button = ui.button("Show").on_hover_text(format!(
+            "Fit the view to this element ({})",
+            keys_of(&Command::FitSelection)
+        ));
+        if button.clicked() {
+            commands.push(Command::FitSelection);
+        }
+        let clear = ui.button("Clear");
+        if clear.on_hover_text(format!("({})", keys_of(&Command::Select(None)))).clicked() {
+            commands.push(Command::Select(None));
+        }
+    });
+
+    ui.add_space(8.0);
+    let there = if behaviour.at(state.time()) { "present now" } else { "absent now" };
+    let preset = preset_name(behaviour.preset(state.period()));
+    ui.horizontal(|ui| {
+        ui.strong("Presence");
+        ui.label(RichText::new(format!("{preset} · {there}")).color(palette(ui).weak));
+    });
+    strip(ui, state, behaviour);
+
+    ui.add_space(8.0);
+    let activities = scene.activities_of(id);
+    ui.horizontal(|ui| {
+        ui.strong("Activities");
+        ui.label(RichText::new(grouped(activities.len() as u64)).color(palette(ui).weak));
+    });
+    if activities.is_empty() {
+        ui.label(RichText::new("No activity names this element.").color(palette(ui).weak));
+    }
+    for &index in activities.iter().take(LISTED) {
+        activity_row(ui, state.time(), &scene.schedule.activities[index as usize], commands);
+    }
+    if activities.len() > LISTED {
+        ui.label(format!("… and {} more", activities.len() - LISTED));
+    }
+}
+
+/// The period as a bar, filled while the element is present.
+fn strip(ui: &mut Ui, state: &AppState, behaviour: &Behaviour) {
+    let size = egui::vec2(ui.available_width(), 16.0);
+    let (place, response) = ui.allocate_exact_size(size, Sense::hover());
+    let Some(calendar) = state.calendar() else { return };
+    let colors = palette(ui);
+    let painter = ui.painter_at(place.expand(1.0));
+    painter.rect_filled(place, 3.0, colors.well);
+    let x = |time: Time| place.min.x + place.width() * calendar.share(time) as f32;
+    for (from, to) in presence(behaviour, calendar.period().start, calendar.period().end) {
+        let bar = Rect::from_x_y_ranges(x(from)..=x(to).max(x(from) + 1.0), place.y_range());
+        painter.rect_filled(bar.shrink2(egui::vec2(0.0, 3.0)), 2.0, colors.accent);
+    }
+    painter.vline(x(state.time()), place.y_range(), Stroke::new(2.0, colors.cursor));
+    response.on_hover_text("Filled while the element is there, over the whole project.");
+}
+
+/// The spans within `[start, end]` during which an object is present.
+fn presence(behaviour: &Behaviour, start: Time, end: Time) -> Vec<(Time, Time)> {
+    let mut spans = Vec::new();
+    let mut since = behaviour.at(start).then_some(start);
+    for &toggle in behaviour.toggles().iter().filter(|t| start < **t && **t <= end) {
+        match since.take() {
+            Some(from) => spans.push((from, toggle)),
+            None => since = Some(toggle),
+        }
+    }
+    spans.extend(since.map(|from| (from, end)));
+    spans
+}
+
+fn activity_row(ui: &mut Ui, now: Time, activity: &Activity, commands: &mut Vec<Command>) {
+    let dark = ui.visuals().dark_mode;
+    let color = if activity.active { kind_color(activity.kind, dark) } else { palette(ui).weak };
+    let name = if activity.name.is_empty() { &activity.id } else { &activity.name };
+    let running = activity.start.is_some_and(|s| s <= now) && activity.end.is_some_and(|e| now < e);
+    ui.horizontal(|ui| {
+        let (dot, response) = ui.allocate_exact_size(egui::vec2(8.0, 16.0), Sense::hover());
+        let dot = Rect::from_center_size(dot.center(), egui::vec2(8.0, 8.0));
+        ui.painter().rect_filled(dot, 2.0, color);
+        response.on_hover_text(kind_name(activity.kind));
+        let text = RichText::new(name);
+        let text = if running { text.strong() } else { text };
+        ui.add(egui::Label::new(text).truncate()).on_hover_text(format!(
+            "{} {}\n{}",
+            activity.id,
+            name,
+            kind_name(activity.kind)
+        ));
+    });
+    ui.horizontal(|ui| {
+        ui.add_space(16.0);
+        if !activity.active {
+            ui.label(RichText::new("not active").size(SMALL).color(palette(ui).weak));
+        }
+        for (what, time) in [("starts", activity.start), ("ends", activity.end)] {
+            match time {
+                Some(time) => date_link(ui, what, time, palette(ui).accent, commands),
+                None => {
+                    ui.label(RichText::new("no date").size(SMALL));
+                }
+            }
+        }
+    });
+}
+
+fn date_link(ui: &mut Ui, what: &str, time: Time, color: Color32, commands: &mut Vec<Command>) {
+    let text = RichText::new(short_date(time)).size(SMALL).color(color);
+    let link = ui.link(text).on_hover_text(format!("Go to the instant at which it {what}"));
+    if link.clicked() {
+        commands.push(Command::JumpTo(time));
+    }
+}
+
+fn preset_name(preset: Preset) -> &'static str {
+    match preset {
+        Preset::Static => "always there",
+        Preset::Absent => "never there",
+        Preset::Installed => "installed",
+        Preset::Removed => "removed",
+        Preset::Temporary => "temporary",
+        Preset::Skipped => "away for a time",
+        Preset::ReInstalled => "installed, removed, installed again",
+        Preset::ReDeleted => "removed, back, removed again",
+        Preset::Other => "comes and goes",
+    }
+}
+
+fn grouped(count: u64) -> String {
+    count.to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn presence_spans_agree_with_the_behaviour() {
+        let t = Time::from_seconds;
+        let behaviour = Behaviour::new(false, vec![t(5), t(10), t(20)]).unwrap();
+        assert_eq!(presence(&behaviour, t(0), t(30)), [(t(5), t(10)), (t(20), t(30))]);
+        assert_eq!(presence(&behaviour, t(7), t(15)), [(t(7), t(10))]);
+        assert_eq!(presence(&Behaviour::never(), t(0), t(9)), []);
+        assert_eq!(presence(&Behaviour::always(), t(0), t(9)), [(t(0), t(9))]);
+    }
+}

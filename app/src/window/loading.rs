@@ -1,0 +1,199 @@
+//! Work on named threads: loading a project, building the tree, measuring, asking for files.
+
+use super::calendar::Calendar;
+use crate::project::{self, Request};
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::sync::mpsc::{self, TryRecvError};
+use std::time::{Duration, Instant};
+use topout_scene::pick::Picker;
+use topout_scene::{Aabb, Progress, Scene};
+
+/// Called by a worker when it has something to show.
+pub type Wake = Arc<dyn Fn() + Send + Sync>;
+
+/// One piece of work on a thread of its own. Dropping it asks the thread to stop.
+pub struct Job<T> {
+    progress: Arc<Progress>,
+    result: mpsc::Receiver<T>,
+    started: Instant,
+}
+
+/// What became of a [`Job`].
+pub enum Outcome<T> {
+    /// Still at work.
+    Pending,
+    /// Finished.
+    Done(T),
+    /// The thread died without a result.
+    Died,
+}
+
+impl<T: Send + 'static> Job<T> {
+    /// Starts `work` on a thread called `name`; `wake` is called once when it ends.
+    ///
+    /// # Errors
+    /// When the system has no thread to give.
+    pub fn spawn(
+        name: &str,
+        wake: Wake,
+        work: impl FnOnce(&Progress) -> T + Send + 'static,
+    ) -> std::io::Result<Self> {
+        let progress = Arc::new(Progress::default());
+        let (sender, result) = mpsc::sync_channel(1);
+        let theirs = Arc::clone(&progress);
+        std::thread::Builder::new().name(name.to_owned()).spawn(move || {
+            // Wakes also when the work panics: the sender is gone by then, and the window says so.
+            let _wake = WakeOnDrop(wake);
+            let value = work(&theirs);
+            // The receiver is gone when the user cancelled; then nobody wants the value.
+            let _ = sender.send(value);
+        })?;
+        Ok(Self { progress, result, started: Instant::now() })
+    }
+
+    /// Looks without waiting.
+    pub fn poll(&self) -> Outcome<T> {
+        match self.result.try_recv() {
+            Ok(value) => Outcome::Done(value),
+            Err(TryRecvError::Empty) => Outcome::Pending,
+            Err(TryRecvError::Disconnected) => Outcome::Died,
+        }
+    }
+
+    /// The current stage and its finished share in [0, 1].
+    pub fn state(&self) -> (String, f32) {
+        self.progress.state()
+    }
+
+    /// Time since the start.
+    pub fn elapsed(&self) -> Duration {
+        self.started.elapsed()
+    }
+}
+
+impl<T> Drop for Job<T> {
+    fn drop(&mut self) {
+        self.progress.cancel();
+    }
+}
+
+struct WakeOnDrop(Wake);
+
+impl Drop for WakeOnDrop {
+    fn drop(&mut self) {
+        (self.0)();
+    }
+}
+
+/// Everything that the window derives from a scene, made on the loading thread.
+pub struct Project {
+    /// What was asked for.
+    pub request: Request,
+    /// S(t).
+    pub scene: Arc<Scene>,
+    /// Rays to elements.
+    pub picker: Picker,
+    /// Counts over time.
+    pub calendar: Calendar,
+    /// What the standard views fit.
+    pub focus: Aabb,
+    /// Triangles of all elements.
+    pub triangles: usize,
+    /// Elements that some activity touches.
+    pub linked: usize,
+}
+
+impl Project {
+    /// Derives what the window needs; takes a moment for large scenes.
+    pub fn new(request: Request, scene: Arc<Scene>) -> Self {
+        let linked = (0..scene.model.elements.len())
+            .filter(|&i| !scene.activities_of(topout_scene::ElementId(i as u32)).is_empty())
+            .count();
+        Self {
+            picker: Picker::new(&scene),
+            calendar: Calendar::new(&scene.schedule),
+            focus: scene.focus_bounds(),
+            triangles: scene.model.triangle_count(),
+            linked,
+            request,
+            scene,
+        }
+    }
+
+    /// The name to show: the schedule's, the model's, or the first file's.
+    pub fn name(&self) -> String {
+        let names = [&self.scene.schedule.project, &self.scene.model.name];
+        if let Some(name) = names.into_iter().find(|n| !n.is_empty()) {
+            return name.clone();
+        }
+        self.request.models.first().map_or_else(String::new, ToString::to_string)
+    }
+
+    /// Reads, links and derives: the whole load.
+    ///
+    /// # Errors
+    /// As [`project::load`].
+    pub fn load(request: Request, progress: &Progress) -> anyhow::Result<Self> {
+        let scene = project::load(&request, progress)?;
+        progress.begin("Preparing the window", 0)?;
+        Ok(Self::new(request, Arc::new(scene)))
+    }
+}
+
+/// Which files a dialog asks for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Ask {
+    /// .glb and .gltf.
+    Models,
+    /// .json and .csv.
+    Schedules,
+}
+
+/// What a dialog came back with.
+pub enum Answer {
+    /// Files.
+    Chosen(Vec<PathBuf>),
+    /// The user closed it.
+    Closed,
+    /// The system has no file dialog.
+    NoDialog,
+}
+
+/// Said when the system has no file dialog.
+pub const NO_DIALOG: &str = "This system offers no file dialog: neither a desktop portal \
+    (xdg-desktop-portal) nor zenity answers. Install one of them, drop the files on this window, \
+    or name them on the command line: topout MODEL --schedule FILE";
+
+/// Asks for files without stopping the window.
+///
+/// # Errors
+/// When the system has no thread to give.
+pub fn ask(what: Ask, wake: Wake) -> std::io::Result<Job<Answer>> {
+    let dialog = match what {
+        Ask::Models => rfd::AsyncFileDialog::new()
+            .set_title("Open model")
+            .add_filter("glTF models", &["glb", "gltf"]),
+        Ask::Schedules => rfd::AsyncFileDialog::new()
+            .set_title("Open schedule")
+            .add_filter("Schedules and links", &["json", "csv"]),
+    };
+    let asked = Instant::now();
+    // Some systems insist that dialogs start on the main thread; waiting happens on another.
+    let chosen = dialog.pick_files();
+    Job::spawn("topout-dialog", wake, move |_| {
+        match pollster::block_on(chosen) {
+            Some(files) => Answer::Chosen(files.iter().map(|f| f.path().to_owned()).collect()),
+            // Nobody closes a dialog this fast: there was none.
+            None if asked.elapsed() < Duration::from_millis(400) && !has_zenity() => {
+                Answer::NoDialog
+            }
+            None => Answer::Closed,
+        }
+    })
+}
+
+fn has_zenity() -> bool {
+    std::env::var_os("PATH")
+        .is_some_and(|path| std::env::split_paths(&path).any(|dir| dir.join("zenity").is_file()))
+}

@@ -1,0 +1,206 @@
+//! The viewer: a window on eframe, drawn by egui, with the renderer's picture in its middle.
+//!
+//! Data flows one way: input -> panels(&[`AppState`]) -> [`Command`]s -> [`AppState::apply`] ->
+//! the 3D view. Panels never change anything themselves.
+
+mod calendar;
+mod camera;
+mod chrome;
+mod command;
+mod inspector;
+mod loading;
+mod overlay;
+mod state;
+mod table;
+mod theme;
+mod timeline;
+mod viewport;
+
+pub use calendar::Calendar;
+pub use camera::Camera;
+pub use command::{Action, Command, Panel, Shortcut, actions};
+pub use overlay::FrameLog;
+pub use state::AppState;
+pub use theme::Scheme;
+
+use crate::project::Request;
+use anyhow::Context as _;
+use egui::{CentralPanel, Frame, Margin, Panel as Side, Ui, ViewportCommand};
+use state::Effect;
+use std::sync::Arc;
+use std::time::Duration;
+use topout_render::GpuError;
+use viewport::Viewport;
+
+/// How often progress of other threads is shown.
+const PROGRESS_EVERY: Duration = Duration::from_millis(100);
+/// Longest step of time while playing, seconds: after a hitch the date does not leap.
+const LONGEST_STEP: f32 = 1.0;
+
+/// Opens the viewer and returns when it is closed. With a request it loads that at once.
+///
+/// # Errors
+/// [`GpuError::NoAdapter`] without a graphics adapter; otherwise what the window system said.
+pub fn run(request: Option<Request>) -> anyhow::Result<()> {
+    let viewport = egui::ViewportBuilder::default()
+        .with_title("topout")
+        .with_app_id("topout")
+        .with_inner_size([1280.0, 800.0])
+        .with_min_inner_size([720.0, 480.0]);
+    let options = eframe::NativeOptions {
+        viewport,
+        wgpu_options: egui_wgpu::WgpuConfiguration {
+            wgpu_setup: wgpu_setup(),
+            ..Default::default()
+        },
+        ..Default::default()
+    };
+    let create: eframe::AppCreator<'_> =
+        Box::new(move |context| Ok(Box::new(Window::new(context, request)?)));
+    eframe::run_native("topout", options, create).map_err(|error| match error {
+        eframe::Error::Wgpu(egui_wgpu::WgpuError::RequestAdapterError(error)) => {
+            GpuError::NoAdapter(error.to_string()).into()
+        }
+        error => anyhow::anyhow!("the window cannot be opened: {error}"),
+    })
+}
+
+/// How the window opens its device: with all that the renderer makes use of; software adapters
+/// are fine.
+pub fn wgpu_setup() -> egui_wgpu::WgpuSetup {
+    let defaults = egui_wgpu::WgpuSetupCreateNew::without_display_handle();
+    egui_wgpu::WgpuSetup::CreateNew(egui_wgpu::WgpuSetupCreateNew {
+        instance_descriptor: topout_render::instance_descriptor(),
+        power_preference: wgpu::PowerPreference::HighPerformance,
+        device_descriptor: Arc::new(topout_render::device_descriptor),
+        ..defaults
+    })
+}
+
+/// The application that eframe runs.
+pub struct Window {
+    state: AppState,
+    viewport: Viewport,
+}
+
+impl Window {
+    /// Sets up looks and renderer; starts loading what is requested.
+    ///
+    /// # Errors
+    /// When eframe runs on something other than wgpu.
+    pub fn new(
+        context: &eframe::CreationContext<'_>,
+        request: Option<Request>,
+    ) -> anyhow::Result<Self> {
+        let device = context.wgpu_render_state.as_ref().context("the window has no wgpu device")?;
+        theme::install(&context.egui_ctx);
+        let ctx = context.egui_ctx.clone();
+        let mut state = AppState::new(Arc::new(move || ctx.request_repaint()));
+        if let Some(request) = request {
+            state.apply(Command::Load(request));
+        }
+        Ok(Self { state, viewport: Viewport::new(device) })
+    }
+
+    /// What is shown.
+    pub fn state(&self) -> &AppState {
+        &self.state
+    }
+
+    /// For driving the window from a program.
+    pub fn state_mut(&mut self) -> &mut AppState {
+        &mut self.state
+    }
+
+    fn take_effects(&mut self, ctx: &egui::Context) {
+        for effect in std::mem::take(&mut self.state.effects) {
+            match effect {
+                Effect::Close => ctx.send_viewport_cmd(ViewportCommand::Close),
+                Effect::Copy(text) => ctx.copy_text(text),
+                Effect::Scheme(scheme) => theme::choose(ctx, scheme),
+            }
+        }
+    }
+
+    fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let state = &self.state;
+        let fill = theme::palette(ui).panel;
+        let frame = |x, y| Frame::new().fill(fill).inner_margin(Margin::symmetric(x, y));
+        Side::top("bar").frame(frame(8, 4)).show(ui, |ui| chrome::bar(ui, state, commands));
+        if state.project.is_some() {
+            if state.panels.timeline {
+                Side::bottom("timeline")
+                    .frame(frame(12, 8))
+                    .resizable(false)
+                    .show(ui, |ui| timeline::show(ui, state, commands));
+            }
+            if state.panels.inspector {
+                Side::right("inspector")
+                    .frame(frame(12, 8))
+                    .default_size(280.0)
+                    .size_range(220.0..=480.0)
+                    .show(ui, |ui| inspector::show(ui, state, commands));
+            }
+        }
+        chrome::diagnostics(ui.ctx(), state, commands);
+        chrome::shortcuts(ui.ctx(), state, commands);
+        table::show(ui.ctx(), state, commands);
+    }
+}
+
+impl eframe::App for Window {
+    fn logic(&mut self, _: &egui::Context, _: &mut eframe::Frame) {
+        self.state.poll();
+    }
+
+    fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
+        let ctx = ui.ctx().clone();
+        let seconds = ctx.input(|i| i.stable_dt.min(LONGEST_STEP));
+        self.state.advance(f64::from(seconds));
+        let mut commands = command::from_keys(&ctx);
+        let dropped = dropped_files(&ctx);
+        if !dropped.is_empty() {
+            commands.push(Command::OpenFiles(dropped));
+        }
+        self.panels(ui, &mut commands);
+        let changed = !commands.is_empty();
+        for command in commands {
+            self.state.apply(command);
+        }
+
+        let mut commands = Vec::new();
+        CentralPanel::no_frame().show(ui, |ui| {
+            let place = self.viewport.show(ui, &mut self.state);
+            if self.state.project.is_none() {
+                let middle = egui::Rect::from_center_size(
+                    place.center(),
+                    egui::vec2(place.width().min(420.0), place.height().min(260.0)),
+                );
+                ui.scope_builder(egui::UiBuilder::new().max_rect(middle), |ui| {
+                    chrome::welcome(ui, &self.state, &mut commands);
+                });
+            }
+            overlay::show(ui, place, &self.state, &mut commands);
+        });
+        let changed = changed || !commands.is_empty();
+        for command in commands {
+            self.state.apply(command);
+        }
+        self.take_effects(&ctx);
+        if changed || self.state.playing {
+            // The panels were drawn before the change.
+            ctx.request_repaint();
+        } else if self.state.is_busy() || self.viewport.waits_for_gpu() {
+            ctx.request_repaint_after(PROGRESS_EVERY);
+        }
+    }
+
+    fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
+        visuals.panel_fill.to_normalized_gamma_f32()
+    }
+}
+
+/// The files that were let go over the window since the last frame.
+fn dropped_files(ctx: &egui::Context) -> Vec<std::path::PathBuf> {
+    ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect())
+}

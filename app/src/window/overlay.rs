@@ -1,0 +1,305 @@
+//! What floats in the corners of the 3D view: figures, standard views, progress and messages.
+
+use super::command::{Command, keys_of};
+use super::loading::Job;
+use super::state::{AppState, Tree};
+use super::theme::{SMALL, palette};
+use egui::{Align2, Frame, Margin, Rect, RichText, Ui};
+use std::collections::VecDeque;
+use topout_render::{DrawMode, FrameStats};
+use topout_scene::NamedView;
+
+/// Frames that the median and the percentile look back on.
+const REMEMBERED: usize = 120;
+
+/// Figures of the last frames that were really rendered.
+#[derive(Clone, Debug, Default)]
+pub struct FrameLog {
+    milliseconds: VecDeque<f64>,
+    last: Option<FrameStats>,
+}
+
+impl FrameLog {
+    /// Shows what a frame drew; its time is known only later, see [`FrameLog::add`].
+    pub fn show(&mut self, stats: FrameStats) {
+        self.last = Some(stats);
+    }
+
+    /// Counts the time of a frame: choosing and encoding on the CPU plus drawing on the GPU, as if
+    /// nothing overlapped.
+    pub fn add(&mut self, stats: &FrameStats) {
+        if self.milliseconds.len() == REMEMBERED {
+            self.milliseconds.pop_front();
+        }
+        let ms = stats.select_ms + stats.cpu_ms + stats.gpu_ms.unwrap_or(0.0);
+        self.milliseconds.push_back(ms);
+        if let Some(last) = &mut self.last {
+            last.gpu_ms = stats.gpu_ms;
+        }
+    }
+
+    /// Forgets: what follows is drawn in another way.
+    pub fn clear(&mut self) {
+        *self = Self::default();
+    }
+
+    /// The figures of the last frame.
+    pub fn last(&self) -> Option<&FrameStats> {
+        self.last.as_ref()
+    }
+
+    /// Frames whose time is remembered.
+    pub fn len(&self) -> usize {
+        self.milliseconds.len()
+    }
+
+    /// Whether no time is remembered.
+    pub fn is_empty(&self) -> bool {
+        self.milliseconds.is_empty()
+    }
+
+    /// The time that a share of the frames stays within: 0.5 is the median. `None` without frames.
+    pub fn percentile(&self, share: f64) -> Option<f64> {
+        let mut sorted: Vec<f64> = self.milliseconds.iter().copied().collect();
+        sorted.sort_by(f64::total_cmp);
+        let rank = (share * sorted.len() as f64).ceil() as usize;
+        sorted.get(rank.saturating_sub(1)).copied()
+    }
+}
+
+/// `53 k`, `3.6 M`: at most three figures.
+pub fn short_count(count: u64) -> String {
+    let value = count as f64;
+    let (value, unit) = match count {
+        0..=9_999 => return count.to_string(),
+        10_000..=999_999 => (value / 1e3, " k"),
+        1_000_000..=999_999_999 => (value / 1e6, " M"),
+        _ => (value / 1e9, " G"),
+    };
+    let decimals = if value < 9.95 { 1 } else { 0 };
+    format!("{value:.decimals$}{unit}")
+}
+
+/// Everything that floats over the picture at `place`.
+pub fn show(ui: &mut Ui, place: Rect, state: &AppState, commands: &mut Vec<Command>) {
+    let inner = place.shrink(12.0);
+    corner(ui, inner, Align2::LEFT_TOP, "notices", |ui| notices(ui, state, commands));
+    if state.project.is_none() {
+        return;
+    }
+    corner(ui, inner, Align2::RIGHT_TOP, "views", |ui| views(ui, commands));
+    if state.panels.figures {
+        corner(ui, inner, Align2::RIGHT_BOTTOM, "figures", |ui| figures(ui, state));
+    }
+}
+
+fn corner(ui: &Ui, inner: Rect, align: Align2, name: &str, add: impl FnOnce(&mut Ui)) {
+    egui::Area::new(egui::Id::unique(("corner", name)))
+        .order(egui::Order::Middle)
+        .constrain_to(inner)
+        .pivot(align)
+        .fixed_pos(align.pos_in_rect(&inner))
+        .movable(false)
+        .show(ui.ctx(), add);
+}
+
+fn card(ui: &Ui) -> Frame {
+    Frame::new()
+        .fill(palette(ui).panel.gamma_multiply(0.92))
+        .stroke(egui::Stroke::new(1.0, palette(ui).line.gamma_multiply(0.6)))
+        .corner_radius(6)
+        .inner_margin(Margin::symmetric(8, 4))
+}
+
+fn views(ui: &mut Ui, commands: &mut Vec<Command>) {
+    card(ui).inner_margin(Margin::same(2)).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.x = 0.0;
+        ui.horizontal(|ui| {
+            let named = |v: NamedView, name| (Command::LookFrom(v), name, "Look from this side");
+            let buttons = [
+                named(NamedView::Front, "Front"),
+                named(NamedView::Back, "Back"),
+                named(NamedView::Left, "Left"),
+                named(NamedView::Right, "Right"),
+                named(NamedView::Top, "Top"),
+                named(NamedView::Iso, "Iso"),
+                (Command::Fit, "Fit", "Show everything"),
+            ];
+            for (command, name, tip) in buttons {
+                let button = egui::Button::new(RichText::new(name).size(SMALL)).frame(true);
+                let button = button.frame_when_inactive(false);
+                let tip = format!("{tip} ({})", keys_of(&command));
+                if ui.add(button).on_hover_text(tip).clicked() {
+                    commands.push(command);
+                }
+            }
+        });
+    });
+}
+
+fn figures(ui: &mut Ui, state: &AppState) {
+    let Some(stats) = state.frames.last() else { return };
+    card(ui).show(ui, |ui| {
+        ui.spacing_mut().item_spacing.y = 2.0;
+        ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
+        let line = |ui: &mut Ui, text: String, tip: &str| {
+            ui.label(RichText::new(text).size(SMALL)).on_hover_text(tip);
+        };
+        let ms = |share| {
+            state.frames.percentile(share).map_or_else(|| "–".to_owned(), |ms| format!("{ms:.1}"))
+        };
+        line(
+            ui,
+            format!("frame {} ms · 95 % {} ms", ms(0.5), ms(0.95)),
+            &format!(
+                "Median and 95th percentile of the last {} rendered frames.\n\
+                 Last frame: {:.2} ms choosing what to draw, {:.2} ms encoding commands{}.\n\
+                 Frames are rendered only when something changes.",
+                state.frames.len(),
+                stats.select_ms,
+                stats.cpu_ms,
+                match stats.gpu_ms {
+                    Some(ms) => format!("; {ms:.2} ms on the GPU"),
+                    None => "; this adapter does not tell its own time".to_owned(),
+                }
+            ),
+        );
+        line(
+            ui,
+            format!(
+                "{} triangles · {} draws",
+                short_count(stats.triangles),
+                short_count(stats.draws)
+            ),
+            "What the last frame asked the GPU to draw.",
+        );
+        let (text, tip) = accuracy(state, stats);
+        line(ui, text, &tip);
+    });
+}
+
+fn accuracy(state: &AppState, stats: &FrameStats) -> (String, String) {
+    match (state.effective_mode(), state.mode) {
+        (DrawMode::Hdlod, _) => (
+            format!("{} clusters · ≤ {:.2} px certified", stats.clusters, stats.worst_px),
+            format!(
+                "Largest displacement that a drawn cluster can cause on this picture, in physical \
+                 pixels: an upper bound computed from the geometry, not an estimate.\n\
+                 {} clusters and {} single elements drawn, {} nodes of the tree looked at.",
+                stats.clusters, stats.elements, stats.visited
+            ),
+        ),
+        (_, DrawMode::Hdlod) => (
+            "full detail until HDLOD is ready".to_owned(),
+            "The tree is still being built; every present element is drawn.".to_owned(),
+        ),
+        _ => (
+            format!("full detail · {} elements", stats.elements),
+            "Every present element inside the frame is drawn with all its triangles.".to_owned(),
+        ),
+    }
+}
+
+fn notices(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    if let Some(error) = &state.error {
+        card(ui).inner_margin(Margin::same(8)).show(ui, |ui| {
+            ui.set_max_width(400.0);
+            ui.label(RichText::new("That did not work").color(palette(ui).error).strong());
+            ui.label(error.as_str());
+            ui.horizontal(|ui| {
+                if ui.button("Dismiss").clicked() {
+                    commands.push(Command::DismissError);
+                }
+                if ui.button("Copy text").clicked() {
+                    commands.push(Command::Copy(error.clone()));
+                }
+            });
+        });
+    }
+    if let Some((what, job)) = &state.loading {
+        working(ui, &format!("Loading {what}"), job, Command::CancelLoading, commands);
+    }
+    match &state.tree {
+        Tree::Building(job) => {
+            working(ui, "Building HDLOD", job, Command::CancelHdlod, commands);
+        }
+        Tree::Stopped => {
+            card(ui).show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    ui.label("HDLOD is not built; drawn in full detail.");
+                    if ui.button("Build").clicked() {
+                        commands.push(Command::BuildHdlod);
+                    }
+                });
+            });
+        }
+        Tree::None | Tree::Ready(_) => {}
+    }
+}
+
+fn working<T: Send + 'static>(
+    ui: &mut Ui,
+    title: &str,
+    job: &Job<T>,
+    cancel: Command,
+    commands: &mut Vec<Command>,
+) {
+    let (stage, share) = job.state();
+    card(ui).inner_margin(Margin::same(8)).show(ui, |ui| {
+        ui.set_width(280.0);
+        ui.horizontal(|ui| {
+            ui.label(RichText::new(title).strong());
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                if ui.small_button("Cancel").on_hover_text(format!("Stop: {title}")).clicked() {
+                    commands.push(cancel);
+                }
+            });
+        });
+        ui.add(egui::ProgressBar::new(share).desired_height(4.0));
+        let seconds = job.elapsed().as_secs();
+        let stage = if stage.is_empty() { "Starting" } else { &stage };
+        let share = if share > 0.0 { format!(" · {:.0} %", share * 100.0) } else { String::new() };
+        ui.label(
+            RichText::new(format!("{stage}{share} · {seconds} s"))
+                .size(SMALL)
+                .color(palette(ui).weak),
+        );
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn counts_are_short() {
+        for (count, text) in [
+            (0, "0"),
+            (9_999, "9999"),
+            (53_120, "53 k"),
+            (999_400, "999 k"),
+            (3_632_126, "3.6 M"),
+            (36_321_260, "36 M"),
+        ] {
+            assert_eq!(short_count(count), text);
+        }
+    }
+
+    #[test]
+    fn percentiles_of_the_last_frames() {
+        let mut log = FrameLog::default();
+        assert_eq!(log.percentile(0.5), None);
+        for i in 1..=300 {
+            let gpu_ms = Some(f64::from(i) - 0.5);
+            log.add(&FrameStats { cpu_ms: 0.5, gpu_ms, ..FrameStats::default() });
+        }
+        // 181 to 300 are remembered.
+        assert_eq!(log.len(), REMEMBERED);
+        assert_eq!(log.percentile(0.5), Some(240.0));
+        assert_eq!(log.percentile(0.95), Some(294.0));
+        assert_eq!(log.percentile(1.0), Some(300.0));
+        log.clear();
+        assert!(log.is_empty() && log.last().is_none());
+    }
+}

@@ -1,0 +1,300 @@
+//! The 3D view: the only file that sees egui and wgpu together.
+//!
+//! The renderer draws into its own picture, which egui shows as an image; so the picture looks the
+//! same whatever the window's format is, and nothing is drawn again until something changes.
+
+use super::camera::Camera;
+use super::command::Command;
+use super::state::{AppState, Tree};
+use super::theme::palette;
+use egui::{Color32, PointerButton, Pos2, Rect, Sense, Stroke, TextureId, Ui};
+use egui_wgpu::RenderState;
+use glam::{UVec2, Vec2, Vec3};
+use std::sync::Arc;
+use topout_render::{FrameInput, FrameStats, Gpu, Renderer};
+use topout_scene::{Aabb, Hdlod, Scene};
+
+/// Nearer (below 1) per notch of a mouse wheel.
+const ZOOM_PER_NOTCH: f32 = 0.82;
+/// Scrolled points that count as one notch, on devices that scroll by points.
+const POINTS_PER_NOTCH: f32 = 50.0;
+
+/// The renderer, its picture within egui, and the gesture that is going on.
+pub struct Viewport {
+    window: RenderState,
+    renderer: Renderer,
+    texture: Option<(TextureId, UVec2)>,
+    scene: Option<Arc<Scene>>,
+    tree: Option<Arc<Hdlod>>,
+    drawn: Option<FrameInput>,
+    /// The last frame, as long as the GPU has not told how long it took.
+    untimed: Option<FrameStats>,
+    gesture: Option<Gesture>,
+}
+
+/// A drag: what was under the pointer when the button went down.
+#[derive(Clone, Copy)]
+struct Gesture {
+    kind: Kind,
+    /// The camera at the start.
+    camera: Camera,
+    /// Where the button went down, pixels.
+    from: Vec2,
+    /// The pivot or the grabbed point.
+    point: Vec3,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Kind {
+    Orbit,
+    Pan,
+}
+
+impl Viewport {
+    /// Shares the window's device.
+    pub fn new(window: &RenderState) -> Self {
+        let gpu =
+            Gpu::from_parts(window.device.clone(), window.queue.clone(), window.adapter.get_info());
+        Self {
+            window: window.clone(),
+            renderer: Renderer::new(&gpu),
+            texture: None,
+            scene: None,
+            tree: None,
+            drawn: None,
+            untimed: None,
+            gesture: None,
+        }
+    }
+
+    /// Whether a figure is still missing that a later look will bring.
+    pub fn waits_for_gpu(&self) -> bool {
+        self.untimed.is_some()
+    }
+
+    /// Fills what is left of `ui` with the picture; returns the place that it takes.
+    pub fn show(&mut self, ui: &mut Ui, state: &mut AppState) -> Rect {
+        let pixels_per_point = ui.ctx().pixels_per_point();
+        let place = ui.available_rect_before_wrap();
+        let response = ui
+            .allocate_rect(place, Sense::click_and_drag())
+            .on_hover_cursor(egui::CursorIcon::Default);
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
+        let size = (place.size() * pixels_per_point).round();
+        state.set_picture(UVec2::new(size.x.max(1.0) as u32, size.y.max(1.0) as u32));
+        if state.project.is_none() {
+            ui.painter().rect_filled(place, 0.0, palette(ui).well);
+            return place;
+        }
+        let pixel = |p: Pos2| {
+            let p = (p - place.min) * pixels_per_point;
+            Vec2::new(p.x, p.y)
+        };
+        for command in self.gestures(ui, &response, state, &pixel) {
+            state.apply(command);
+        }
+        for error in self.take_over(state) {
+            state.apply(error);
+        }
+        self.draw(state);
+        if let Some((texture, _)) = self.texture {
+            let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
+            ui.painter().image(texture, place, whole, Color32::WHITE);
+        }
+        self.paint_marks(ui, place, state);
+        place
+    }
+
+    fn gestures(
+        &mut self,
+        ui: &Ui,
+        response: &egui::Response,
+        state: &AppState,
+        pixel: &dyn Fn(Pos2) -> Vec2,
+    ) -> Vec<Command> {
+        let mut commands = Vec::new();
+        let (origin, now, shift) =
+            ui.input(|i| (i.pointer.press_origin(), i.pointer.latest_pos(), i.modifiers.shift));
+        if response.drag_started()
+            && let Some(origin) = origin
+        {
+            let pan = shift || !response.drag_started_by(PointerButton::Primary);
+            let kind = if pan { Kind::Pan } else { Kind::Orbit };
+            let from = pixel(origin);
+            let fallback = match (kind, &state.project) {
+                (Kind::Orbit, Some(project)) if !project.focus.is_empty() => project.focus.center(),
+                _ => state.camera.point_at_reach(from, state.picture),
+            };
+            let point = state.pick(from).map_or(fallback, |(_, point)| point);
+            self.gesture = Some(Gesture { kind, camera: state.camera, from, point });
+        }
+        if let (Some(gesture), true, Some(now)) = (self.gesture, response.dragged(), now) {
+            let camera = match gesture.kind {
+                Kind::Orbit => {
+                    let moved = response.drag_delta() * ui.ctx().pixels_per_point();
+                    let turn = std::f32::consts::PI / state.picture.y as f32;
+                    state.camera.orbit(gesture.point, -moved.x * turn, moved.y * turn)
+                }
+                Kind::Pan => {
+                    gesture.camera.pan(gesture.point, gesture.from, pixel(now), state.picture)
+                }
+            };
+            commands.push(Command::MoveCamera(camera));
+        }
+        if response.drag_stopped() {
+            self.gesture = None;
+        }
+        if response.clicked()
+            && let Some(at) = response.interact_pointer_pos()
+        {
+            commands.push(Command::Select(state.pick(pixel(at)).map(|(element, _)| element)));
+        }
+        let factor = wheel_factor(ui);
+        if let (Some(hover), true) = (response.hover_pos(), factor != 1.0) {
+            let at = pixel(hover);
+            let point = match state.pick(at) {
+                Some((_, point)) => point,
+                None => state.camera.point_at_reach(at, state.picture),
+            };
+            let camera = state.camera.zoom(point, factor, state.far_limit());
+            commands.push(Command::MoveCamera(camera));
+        }
+        commands
+    }
+
+    /// Uploads what changed; reports what does not fit on the device.
+    fn take_over(&mut self, state: &AppState) -> Vec<Command> {
+        let mut errors = Vec::new();
+        let Some(project) = &state.project else { return errors };
+        if !self.scene.as_ref().is_some_and(|s| Arc::ptr_eq(s, &project.scene)) {
+            let taken = self.renderer.set_scene(&project.scene);
+            self.scene = Some(Arc::clone(&project.scene));
+            self.tree = None;
+            self.drawn = None;
+            if let Err(error) = taken {
+                errors.push(Command::Report(error.to_string()));
+            }
+        }
+        if let Tree::Ready(tree) = &state.tree
+            && !self.tree.as_ref().is_some_and(|t| Arc::ptr_eq(t, tree))
+        {
+            let taken = self.renderer.set_hdlod(tree);
+            self.tree = Some(Arc::clone(tree));
+            self.drawn = None;
+            if let Err(error) = taken {
+                errors.push(Command::Report(error.to_string()));
+            }
+        }
+        errors
+    }
+
+    /// Renders if the picture would differ from the last one.
+    fn draw(&mut self, state: &mut AppState) {
+        let input = FrameInput {
+            view: state.camera.view(state.picture, state.tolerance_px),
+            time: state.time(),
+            mode: state.effective_mode(),
+        };
+        self.time_last_frame(state);
+        if self.drawn.as_ref() == Some(&input) {
+            return;
+        }
+        let stats = self.renderer.render(&input);
+        state.frames.show(stats);
+        self.untimed = Some(stats);
+        self.drawn = Some(input);
+        let mut egui_renderer = self.window.renderer.write();
+        let (view, filter) = (self.renderer.color_view(), wgpu::FilterMode::Nearest);
+        match self.texture {
+            None => {
+                let id = egui_renderer.register_native_texture(&self.window.device, view, filter);
+                self.texture = Some((id, state.picture));
+            }
+            Some((id, size)) if size != state.picture => {
+                let device = &self.window.device;
+                egui_renderer.update_egui_texture_from_wgpu_texture(device, view, filter, id);
+                self.texture = Some((id, state.picture));
+            }
+            Some(_) => {}
+        }
+    }
+
+    /// Counts the last frame once its time is known.
+    fn time_last_frame(&mut self, state: &mut AppState) {
+        let Some(stats) = self.untimed else { return };
+        let gpu_ms = self.renderer.gpu_ms();
+        let tells = self.window.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        if gpu_ms.is_some() || !tells {
+            state.frames.add(&FrameStats { gpu_ms, ..stats });
+            self.untimed = None;
+        }
+    }
+
+    /// The box of the selection, and the pivot while turning.
+    fn paint_marks(&self, ui: &Ui, place: Rect, state: &AppState) {
+        let painter = ui.painter().with_clip_rect(place);
+        let pixels_per_point = ui.ctx().pixels_per_point();
+        let position = |p: Vec2| place.min + egui::vec2(p.x, p.y) / pixels_per_point;
+        if let (Some(project), Some(element)) = (&state.project, state.selected) {
+            let bounds = &project.scene.model.elements[element.index()].bounds;
+            let there = project.scene.behaviour(element).at(state.time());
+            let accent = palette(ui).accent;
+            let color = if there { accent } else { accent.gamma_multiply(0.45) };
+            let margin = bounds.diameter() * 0.01;
+            for [a, b] in edges(&bounds.grown(margin)) {
+                if let Some([a, b]) = segment(&state.camera, a, b, state.picture) {
+                    painter.line_segment([position(a), position(b)], Stroke::new(1.5, color));
+                }
+            }
+        }
+        if let Some(Gesture { kind: Kind::Orbit, point, .. }) = self.gesture
+            && let Some(at) = state.camera.project(point, state.picture)
+        {
+            painter.circle_filled(position(at), 3.0, palette(ui).accent);
+            painter.circle_stroke(position(at), 5.0, Stroke::new(1.0, Color32::WHITE));
+        }
+    }
+}
+
+/// What the wheel and pinching ask for since the last frame: below 1 is nearer.
+fn wheel_factor(ui: &Ui) -> f32 {
+    ui.input(|input| {
+        input.events.iter().fold(1.0, |factor, event| match event {
+            egui::Event::MouseWheel { unit, delta, .. } => {
+                let notches = match unit {
+                    egui::MouseWheelUnit::Line => delta.y,
+                    egui::MouseWheelUnit::Point => delta.y / POINTS_PER_NOTCH,
+                    egui::MouseWheelUnit::Page => delta.y * 5.0,
+                };
+                factor * ZOOM_PER_NOTCH.powf(notches)
+            }
+            egui::Event::Zoom(zoom) if *zoom > 0.0 => factor / zoom,
+            _ => factor,
+        })
+    })
+}
+
+/// The twelve edges of a box.
+fn edges(bounds: &Aabb) -> impl Iterator<Item = [Vec3; 2]> {
+    let corners = bounds.corners();
+    (0..8usize).flat_map(move |a| {
+        [1usize, 2, 4]
+            .into_iter()
+            .filter(move |bit| a & bit == 0)
+            .map(move |bit| [corners[a], corners[a | bit]])
+    })
+}
+
+/// A line on the picture, cut off at the eye's plane; `None` where nothing of it is in front.
+fn segment(camera: &Camera, a: Vec3, b: Vec3, size: UVec2) -> Option<[Vec2; 2]> {
+    const NEAR: f32 = 0.01;
+    let (depth_a, depth_b) = (camera.depth(a), camera.depth(b));
+    let cut = |from: Vec3, to: Vec3, d_from: f32, d_to: f32| {
+        if d_from >= NEAR { from } else { from.lerp(to, (NEAR - d_from) / (d_to - d_from)) }
+    };
+    if depth_a.max(depth_b) < NEAR {
+        return None;
+    }
+    let (from, to) = (cut(a, b, depth_a, depth_b), cut(b, a, depth_b, depth_a));
+    Some([camera.project(from, size)?, camera.project(to, size)?])
+}
