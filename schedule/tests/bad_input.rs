@@ -120,7 +120,8 @@ fn empty_schedules() {
     assert_says(message(&schedule, "empty-schedule"), &["plan.csv"]);
     // Links alone make no schedule, and say what they lack.
     let schedule = csv("guid,activity_id\nE,A\n");
-    assert_eq!(findings(&schedule), [("unknown-activity", 1)]);
+    assert_eq!(findings(&schedule), [("empty-schedule", 1), ("unknown-activity", 1)]);
+    assert_says(message(&schedule, "empty-schedule"), &["plan.csv", "no schedule"]);
 }
 
 #[test]

@@ -121,6 +121,14 @@ impl Collected {
                 format!("{name}: there is no activity in it")
             });
         }
+        if let Some(name) = self.sources.files.first()
+            && self.activities.is_empty()
+            && self.empty_files.is_empty()
+        {
+            self.diagnostics.add(Severity::Error, "empty-schedule", name, || {
+                format!("{name}: there are links, but no schedule with the activities")
+            });
+        }
         if let Some(bad) = self.diagnostics.get("bad-date")
             && self.activities.iter().all(|a| a.dates().is_none())
             && self.sources.activities.iter().any(|s| s.dates_reported)
