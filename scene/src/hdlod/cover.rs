@@ -147,7 +147,7 @@ impl Work {
         // The grid is the same for all clusters, so neighbours meet where they met.
         triangle.corners = original.corners.map(|c| ((c / cell).floor() + 0.5) * cell);
         // Corners on a grid: either the height is of the order of a cell or it is rounding.
-        if triangle.area() * 2.0 <= triangle.diameter() * cell * 1e-2 {
+        if triangle.height() <= cell * 1e-2 {
             self.collapsed.push(place);
             return;
         }
@@ -175,7 +175,7 @@ impl Work {
         for place in collapsed {
             let original = self.sources[place as usize];
             let covered = self.cover(place..place + 1, place, radius, &|c| {
-                c.layer == original.layer && presence.includes(c.behaviour, original.behaviour)
+                presence.includes(c.behaviour, original.behaviour)
             });
             if !covered && original.area() > 0.0 {
                 let mut item = Item::new(original, place..place + 1, place);
@@ -195,11 +195,13 @@ impl Work {
                 continue;
             }
             let triangle = item.triangle;
-            // What is smaller than the error may take any colour.
-            let tiny = triangle.diameter() <= 2.0 * radius;
+            // What is slimmer than the error may take any colour, what is a mere line on the
+            // picture may also go behind glass.
+            let slim = triangle.height();
+            let (any_color, any_layer) = (slim <= radius, slim <= 0.5 * radius);
             let covered = self.cover(item.sources.clone(), item.unit, radius, &|c| {
-                c.layer == triangle.layer
-                    && (tiny || palette.alike(c.material, triangle.material))
+                (any_layer || c.layer == triangle.layer)
+                    && (any_color || palette.alike(c.material, triangle.material))
                     && presence.includes(c.behaviour, triangle.behaviour)
             });
             self.items[i].dead = covered;

@@ -27,6 +27,12 @@ impl Triangle {
         self.cross().length() * 0.5
     }
 
+    /// Distance of the longest edge from the corner opposite; 0 for a point or a line.
+    pub fn height(&self) -> f32 {
+        let longest = self.diameter();
+        if longest > 0.0 { self.cross().length() / longest } else { 0.0 }
+    }
+
     /// Length of the longest edge.
     pub fn diameter(&self) -> f32 {
         let [a, b, c] = self.corners;
