@@ -173,6 +173,7 @@ impl Groups {
             name: name.to_owned(),
             guid: Some(guid(name, seed ^ 0x6706)),
             parent,
+            ..Group::default()
         });
         self.known.insert(name.to_owned(), id);
         id
@@ -234,6 +235,7 @@ pub(super) fn model(
             group: Some(groups.of(b, part, seed)),
             instances: part.instances.clone(),
             bounds: bounds(&instances[range], &library.meshes),
+            ..Element::default()
         });
     }
     Ok(Model {

@@ -328,12 +328,8 @@ impl Writer<'_> {
 /// The schedule around finished activities.
 pub(super) fn schedule(activities: Vec<Activity>) -> Schedule {
     let (start, end) = period();
-    Schedule {
-        project: "Harbour Tower".to_owned(),
-        period: TimeRange { start, end },
-        activities,
-        diagnostics: Diagnostics::default(),
-    }
+    let period = TimeRange { start, end };
+    Schedule::new("Harbour Tower".to_owned(), Some(period), activities, Diagnostics::default())
 }
 
 #[cfg(test)]
