@@ -1,4 +1,8 @@
 //! The program: command line, window and what they share. No algorithm lives here.
 
+pub mod bench;
+pub mod cli;
+pub mod flip;
 pub mod project;
+pub mod report;
 pub mod window;

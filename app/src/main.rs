@@ -1,3 +1,7 @@
 //! topout: see a building on any day of its construction.
 
-fn main() {}
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    topout::cli::run()
+}

@@ -2,12 +2,12 @@
 //!
 //! The command line and the window both load through [`load`], so they show the same thing.
 
-use anyhow::Context;
+use crate::report::describe;
 use std::fmt;
 use std::path::PathBuf;
 use std::str::FromStr;
-use topout_scene::{Cancelled, Model, Progress, Scene};
-use topout_schedule::Schedule;
+use topout_scene::{Cancelled, Model, Progress, Scene, demo, import, link};
+use topout_schedule::{Diagnostics, ReadOptions, Schedule, Severity};
 
 /// Where a model comes from.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -82,10 +82,23 @@ impl Request {
 /// A file that cannot be used, by name, or [`Cancelled`] (see [`is_cancelled`]). What is wrong
 /// inside a usable file does not stop the load: it is found in [`Scene::diagnostics`].
 pub fn load(request: &Request, progress: &Progress) -> anyhow::Result<Scene> {
-    load_parts(request, progress).map_err(|error| match progress.check() {
-        Ok(()) => error,
-        Err(cancelled) => cancelled.into(),
-    })
+    load_parts(request, progress, &mut Err)
+}
+
+/// Like [`load`], but files that cannot be used are left out and found in
+/// [`Scene::diagnostics`] as `unusable-file`.
+///
+/// # Errors
+/// Only [`Cancelled`].
+pub fn load_what_can_be(request: &Request, progress: &Progress) -> anyhow::Result<Scene> {
+    let mut unusable = Diagnostics::default();
+    let mut scene = load_parts(request, progress, &mut |error| {
+        let message = describe(&error);
+        unusable.add(Severity::Error, "unusable-file", message.clone(), || message);
+        Ok(())
+    })?;
+    scene.diagnostics.append(unusable);
+    Ok(scene)
 }
 
 /// Whether a load ended because the user asked it to.
@@ -93,8 +106,110 @@ pub fn is_cancelled(error: &anyhow::Error) -> bool {
     error.is::<Cancelled>()
 }
 
-fn load_parts(request: &Request, progress: &Progress) -> anyhow::Result<Scene> {
-    let _ = (request, progress, Model::default(), Schedule::default());
+/// Decides what becomes of the rest when one file cannot be used.
+type OnUnusable<'a> = &'a mut dyn FnMut(anyhow::Error) -> anyhow::Result<()>;
+
+fn load_parts(
+    request: &Request,
+    progress: &Progress,
+    on_unusable: OnUnusable<'_>,
+) -> anyhow::Result<Scene> {
+    let (models, own_schedule) = read_models(request, progress, on_unusable)?;
+    let schedule = read_schedule(request, own_schedule, progress, on_unusable)?;
+    let model = import::federate(models);
+    progress.begin("linking", 0)?;
+    let scene = link::link(model, schedule);
     progress.check()?;
-    Err(anyhow::anyhow!("the readers are not there yet")).context("cannot load")
+    Ok(scene)
+}
+
+/// The models in the request's order, and the demo's schedule if it is among them.
+fn read_models(
+    request: &Request,
+    progress: &Progress,
+    on_unusable: OnUnusable<'_>,
+) -> anyhow::Result<(Vec<Model>, Option<Schedule>)> {
+    let mut models = Vec::new();
+    let mut own_schedule = None;
+    for source in &request.models {
+        match source {
+            Source::Demo => {
+                let (model, schedule) = demo::generate(&demo::DemoSettings::default(), progress)?;
+                models.push(model);
+                own_schedule = Some(schedule);
+            }
+            Source::File(path) => {
+                let read = import::read_model(path, progress);
+                progress.check()?;
+                match read {
+                    Ok(model) => models.push(model),
+                    Err(error) => on_unusable(error.into())?,
+                }
+            }
+        }
+    }
+    Ok((models, own_schedule))
+}
+
+fn read_schedule(
+    request: &Request,
+    own: Option<Schedule>,
+    progress: &Progress,
+    on_unusable: OnUnusable<'_>,
+) -> anyhow::Result<Schedule> {
+    if request.schedules.is_empty() {
+        return Ok(own.unwrap_or_default());
+    }
+    progress.begin("reading the schedule", 0)?;
+    let options = ReadOptions {
+        date_format: request.date_format.clone(),
+        encoding: request.encoding.clone(),
+    };
+    topout_schedule::read_files(&request.schedules, &options).or_else(|error| {
+        on_unusable(error.into())?;
+        Ok(Schedule::default())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn the_word_demo_is_no_file() {
+        assert_eq!(Source::from(PathBuf::from("demo")), Source::Demo);
+        assert_eq!("./demo.glb".parse(), Ok(Source::File("./demo.glb".into())));
+        assert_eq!(Source::Demo.to_string().parse(), Ok(Source::Demo));
+    }
+
+    #[test]
+    fn a_bare_word_that_names_no_file_is_refused() {
+        assert_eq!("chekc".parse::<Source>(), Err(NotASource));
+        assert!("missing.glb".parse::<Source>().is_ok(), "a missing file is said when reading");
+    }
+
+    #[test]
+    fn an_unusable_file_stops_the_load_or_is_reported() {
+        let request = Request {
+            models: vec![Source::File("no/such/house.glb".into())],
+            schedules: vec!["no/such/plan.json".into()],
+            ..Request::default()
+        };
+        let error = load(&request, &Progress::default()).unwrap_err();
+        assert!(format!("{error:#}").contains("no/such/house.glb"), "{error:#}");
+        let scene = load_what_can_be(&request, &Progress::default()).unwrap();
+        let finding = scene.diagnostics.get("unusable-file").unwrap();
+        assert_eq!(finding.count, 2);
+        assert!(finding.examples[1].contains("no/such/plan.json"), "{:?}", finding.examples);
+        assert!(scene.diagnostics.has_errors());
+    }
+
+    #[test]
+    fn a_cancelled_load_says_so() {
+        let progress = Progress::default();
+        progress.cancel();
+        let error = load(&Request::demo(), &progress).unwrap_err();
+        assert!(is_cancelled(&error), "{error:#}");
+    }
 }

@@ -1,0 +1,402 @@
+//! What can be written on the command line. A contract: scripts call it.
+
+use crate::project::{Request, Source};
+use clap::builder::{NonEmptyStringValueParser, TypedValueParser};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use glam::{DVec3, UVec2};
+use std::path::PathBuf;
+use std::str::FromStr;
+use topout_render::DrawMode;
+use topout_scene::NamedView;
+use topout_scene::hdlod::Temporal;
+use topout_schedule::Time;
+
+/// See a building on any day of its construction.
+///
+/// With no sub-command the viewer opens; with no model either, it shows the built-in demo project.
+#[derive(Parser, Debug)]
+#[command(name = "topout", version, args_conflicts_with_subcommands = true)]
+pub struct Cli {
+    /// What to do instead of opening the viewer.
+    #[command(subcommand)]
+    pub command: Option<Command>,
+
+    /// .glb or .gltf files, or the word demo; several make one federated scene.
+    #[arg(value_name = "MODEL")]
+    pub models: Vec<Source>,
+
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub reading: Reading,
+}
+
+impl Cli {
+    /// What the viewer shall open; `None` without a model and a schedule.
+    pub fn viewer_request(self) -> Option<Request> {
+        let empty = self.models.is_empty() && self.reading.schedule.is_empty();
+        (!empty).then(|| self.reading.request(self.models))
+    }
+}
+
+/// The sub-commands.
+#[derive(Subcommand, Debug)]
+pub enum Command {
+    /// Say what loads, what is linked and what is wrong.
+    Check(Check),
+    /// Build the HDLOD tree and say what it is like.
+    Bake(Bake),
+    /// Draw one picture at a date.
+    Render(Render),
+    /// Measure the paper's table here.
+    Bench(Bench),
+}
+
+/// How files are read.
+#[derive(Args, Debug, Clone)]
+pub struct Reading {
+    /// Schedule (.json, .csv) or links file; may be repeated, all are merged.
+    #[arg(long, value_name = "FILE")]
+    pub schedule: Vec<PathBuf>,
+
+    /// How the schedules write dates, for example %d-%m-%Y [default: ISO 8601].
+    #[arg(long, value_name = "F", value_parser = NonEmptyStringValueParser::new().try_map(date_format))]
+    pub date_format: Option<String>,
+
+    /// Text encoding of CSV files, for example windows-1252 [default: UTF-8].
+    #[arg(long, value_name = "NAME")]
+    pub encoding: Option<String>,
+}
+
+impl Reading {
+    /// With the models that go with it.
+    pub fn request(&self, models: Vec<Source>) -> Request {
+        Request {
+            models,
+            schedules: self.schedule.clone(),
+            date_format: self.date_format.clone(),
+            encoding: self.encoding.clone(),
+        }
+    }
+}
+
+/// What every sub-command that reads a project takes.
+#[derive(Args, Debug, Clone)]
+pub struct Common {
+    /// .glb or .gltf files, or the word demo; several make one federated scene.
+    #[arg(value_name = "MODEL", required = true)]
+    pub models: Vec<Source>,
+
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub reading: Reading,
+
+    /// Picture in physical pixels.
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = size)]
+    pub size: UVec2,
+
+    /// Largest error of HDLOD on the picture, in physical pixels.
+    #[arg(long, value_name = "PX", default_value = "1.0", value_parser = tolerance, allow_negative_numbers = true)]
+    pub tolerance: f32,
+
+    /// Way of drawing [default: hdlod; bench: all].
+    #[arg(long, value_name = "WAY")]
+    pub lod: Option<Lod>,
+
+    /// What the tree promises: tight (exact in time) or the paper's own delta.
+    #[arg(long, value_name = "RULE", default_value = "tight")]
+    pub temporal: TemporalRule,
+
+    /// Also write one JSON object to this file; - is standard output.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+impl Common {
+    /// What to load.
+    pub fn request(&self) -> Request {
+        self.reading.request(self.models.clone())
+    }
+}
+
+/// `topout check`
+#[derive(Args, Debug)]
+pub struct Check {
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// `topout bake`
+#[derive(Args, Debug)]
+pub struct Bake {
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub common: Common,
+
+    /// Build the tree even if it was built before.
+    #[arg(long)]
+    pub no_cache: bool,
+}
+
+/// `topout render`
+#[derive(Args, Debug)]
+pub struct Render {
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub common: Common,
+
+    /// The instant to show, ISO 8601; a date alone is its 00:00.
+    #[arg(long, value_name = "DATE", value_parser = Time::parse_iso)]
+    pub at: Time,
+
+    /// PNG file to write.
+    #[arg(short, value_name = "FILE.png", value_parser = png)]
+    pub output: PathBuf,
+
+    /// Direction to look from, with everything in the frame [default: iso].
+    #[arg(long, value_name = "NAME", value_parser = named_view, conflicts_with_all = ["eye", "target"])]
+    pub view: Option<NamedView>,
+
+    /// Where the camera stands, in the file's coordinates (metres, up is +Y).
+    #[arg(long, value_name = "X,Y,Z", requires = "target", value_parser = point, allow_hyphen_values = true)]
+    pub eye: Option<DVec3>,
+
+    /// What the camera looks at, in the file's coordinates.
+    #[arg(long, value_name = "X,Y,Z", requires = "eye", value_parser = point, allow_hyphen_values = true)]
+    pub target: Option<DVec3>,
+
+    /// How much of the screen the building covers: 1/1, 1/4, 1/16 [default: 1/1].
+    #[arg(long, value_name = "1/N", conflicts_with_all = ["eye", "target"])]
+    pub coverage: Option<Coverage>,
+}
+
+/// `topout bench`
+#[derive(Args, Debug)]
+pub struct Bench {
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub common: Common,
+}
+
+/// Way of drawing.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Lod {
+    /// Clusters where they are good enough, exact elements elsewhere.
+    Hdlod,
+    /// Every present element at full detail, in one indirect multi-draw.
+    Batched,
+    /// One draw call a present element: the paper's baseline.
+    Objects,
+}
+
+impl From<Lod> for DrawMode {
+    fn from(lod: Lod) -> Self {
+        match lod {
+            Lod::Hdlod => Self::Hdlod,
+            Lod::Batched => Self::Batched,
+            Lod::Objects => Self::Objects,
+        }
+    }
+}
+
+/// What the tree promises.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum TemporalRule {
+    /// Every triangle is drawn exactly while what it stands for is present.
+    Tight,
+    /// The paper's delta: a figure of merit over time.
+    Paper,
+}
+
+impl From<TemporalRule> for Temporal {
+    fn from(rule: TemporalRule) -> Self {
+        match rule {
+            TemporalRule::Tight => Self::Tight,
+            TemporalRule::Paper => Self::Paper,
+        }
+    }
+}
+
+/// The share 1/n of the screen that the building covers.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Coverage {
+    /// n, at least 1.
+    pub one_over: f32,
+}
+
+impl Coverage {
+    /// How many times the fitting distance the camera stands away.
+    pub fn distance_factor(self) -> f32 {
+        self.one_over.sqrt()
+    }
+}
+
+impl Default for Coverage {
+    fn default() -> Self {
+        Self { one_over: 1.0 }
+    }
+}
+
+impl FromStr for Coverage {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        text.strip_prefix("1/")
+            .and_then(|n| n.parse::<f32>().ok())
+            .filter(|n| (1.0..=1e6).contains(n))
+            .map(|one_over| Self { one_over })
+            .ok_or_else(|| "expected 1/1, 1/4 or 1/16 (1/N with N of 1 or more)".to_owned())
+    }
+}
+
+/// Largest side of a picture: what every graphics adapter takes.
+const MAX_SIDE: u32 = 8192;
+
+fn size(text: &str) -> Result<UVec2, String> {
+    text.split_once(['x', 'X'])
+        .and_then(|(w, h)| Some(UVec2::new(w.parse().ok()?, h.parse().ok()?)))
+        .filter(|s| s.min_element() >= 1 && s.max_element() <= MAX_SIDE)
+        .ok_or_else(|| format!("expected width x height such as 1280x720, 1 to {MAX_SIDE} each"))
+}
+
+fn tolerance(text: &str) -> Result<f32, String> {
+    text.parse()
+        .ok()
+        .filter(|t: &f32| t.is_finite() && *t >= 0.0)
+        .ok_or_else(|| "expected pixels, 0 or more".to_owned())
+}
+
+fn point(text: &str) -> Result<DVec3, String> {
+    let parts: Vec<f64> = text
+        .split(',')
+        .map(|p| p.trim().parse().ok().filter(|v: &f64| v.is_finite()))
+        .collect::<Option<_>>()
+        .unwrap_or_default();
+    <[f64; 3]>::try_from(parts)
+        .map(DVec3::from)
+        .map_err(|_| "expected three numbers X,Y,Z in metres".to_owned())
+}
+
+fn named_view(text: &str) -> Result<NamedView, String> {
+    NamedView::ALL.iter().find(|(_, name)| *name == text).map(|(view, _)| *view).ok_or_else(|| {
+        format!("expected one of {}", NamedView::ALL.map(|(_, name)| name).join(", "))
+    })
+}
+
+fn png(text: &str) -> Result<PathBuf, String> {
+    let path = PathBuf::from(text);
+    match path.extension() {
+        Some(extension) if extension.eq_ignore_ascii_case("png") => Ok(path),
+        _ => Err("expected a name that ends in .png".to_owned()),
+    }
+}
+
+fn date_format(text: String) -> Result<String, String> {
+    let wrong = chrono::format::StrftimeItems::new(&text)
+        .any(|item| matches!(item, chrono::format::Item::Error));
+    let none = !text.contains('%');
+    if wrong || none { Err("expected fields such as %d-%m-%Y %H:%M".to_owned()) } else { Ok(text) }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use clap::CommandFactory;
+    use clap::error::ErrorKind;
+
+    fn parse(line: &str) -> Result<Cli, ErrorKind> {
+        Cli::try_parse_from(line.split_whitespace()).map_err(|e| e.kind())
+    }
+
+    fn render(line: &str) -> Render {
+        match parse(&format!("topout render {line}")).unwrap().command {
+            Some(Command::Render(args)) => args,
+            other => panic!("{other:?}"),
+        }
+    }
+
+    #[test]
+    fn definition_is_consistent() {
+        Cli::command().debug_assert();
+    }
+
+    #[test]
+    fn no_arguments_mean_the_viewer_with_the_demo() {
+        assert_eq!(parse("topout").unwrap().viewer_request(), None);
+    }
+
+    #[test]
+    fn models_and_schedules_open_in_the_viewer() {
+        let cli = parse("topout a.glb demo --schedule s.csv --schedule l.csv").unwrap();
+        assert!(cli.command.is_none());
+        let request = cli.viewer_request().unwrap();
+        assert_eq!(request.models, [Source::File("a.glb".into()), Source::Demo]);
+        assert_eq!(request.schedules, [PathBuf::from("s.csv"), PathBuf::from("l.csv")]);
+    }
+
+    #[test]
+    fn the_defaults_are_those_of_the_contract() {
+        let args = render("demo --at 2026-05-04 -o a.png");
+        assert_eq!(args.common.size, UVec2::new(1280, 720));
+        assert_eq!(args.common.tolerance, 1.0);
+        assert_eq!(args.common.temporal, TemporalRule::Tight);
+        assert_eq!(args.common.lod, None);
+        assert_eq!(args.at, Time::parse_iso("2026-05-04T00:00:00").unwrap());
+    }
+
+    #[test]
+    fn cameras_are_read_and_exclude_each_other() {
+        let args = render("demo --at 2026-05-04 -o a.png --eye -1,2.5,3 --target 0,0,-7e2");
+        assert_eq!(args.eye, Some(DVec3::new(-1.0, 2.5, 3.0)));
+        assert_eq!(args.target, Some(DVec3::new(0.0, 0.0, -700.0)));
+        let args = render("demo --at 2026-05-04 -o a.png --view top --coverage 1/16");
+        assert_eq!(args.view, Some(NamedView::Top));
+        assert_eq!(args.coverage.unwrap().distance_factor(), 4.0);
+        for (wrong, kind) in [
+            ("--eye 1,2,3", ErrorKind::MissingRequiredArgument),
+            ("--eye 1,2,3 --target 0,0,0 --view top", ErrorKind::ArgumentConflict),
+            ("--eye 1,2,3 --target 0,0,0 --coverage 1/4", ErrorKind::ArgumentConflict),
+        ] {
+            let line = format!("topout render demo --at 2026-05-04 -o a.png {wrong}");
+            assert_eq!(parse(&line).err(), Some(kind), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn wrong_values_are_refused() {
+        for wrong in [
+            "--size 0x7",
+            "--size 1280",
+            "--size 99999x4",
+            "--tolerance -1",
+            "--tolerance NaN",
+            "--lod none",
+            "--temporal loose",
+            "--view up",
+            "--coverage 4",
+            "--coverage 1/0",
+            "--eye 1,2 --target 1,2,3",
+            "--eye 1,2,inf --target 1,2,3",
+            "--date-format %Q",
+            "--date-format d-m-y",
+        ] {
+            let line = format!("topout render demo --at 2026-05-04 -o a.png {wrong}");
+            let kind = parse(&line).err().unwrap();
+            assert!(
+                matches!(kind, ErrorKind::ValueValidation | ErrorKind::InvalidValue),
+                "{wrong}: {kind:?}"
+            );
+        }
+        assert!(parse("topout render demo --at 4.5.2026 -o a.png").is_err());
+        assert!(parse("topout render demo --at 2026-05-04 -o a.jpg").is_err());
+        assert!(parse("topout render demo -o a.png").is_err());
+        assert!(parse("topout check").is_err());
+    }
+
+    #[test]
+    fn a_misspelt_sub_command_is_not_taken_for_a_model() {
+        assert_eq!(parse("topout chekc").err(), Some(ErrorKind::ValueValidation));
+        assert!(parse("topout chekc.glb").is_ok());
+    }
+}

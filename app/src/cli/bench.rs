@@ -1,0 +1,113 @@
+//! `topout bench`: the paper's table, measured here.
+
+use super::stage::Stage;
+use super::{Outcome, args, table, terminal};
+use crate::bench::{Cell, Plan, cells, measure, measure_empty, mode_name};
+use crate::report::{Output, count, rounded, rss_mb};
+use serde::Serialize;
+use std::sync::Arc;
+use topout_render::{DrawMode, Gpu, Renderer};
+use topout_scene::{Aabb, Progress, Scene};
+
+/// The keys that scripts read.
+#[derive(Serialize, Debug)]
+struct Report {
+    adapter: String,
+    size: String,
+    tolerance_px: f32,
+    elements: usize,
+    triangles: usize,
+    activities: usize,
+    load_seconds: f64,
+    bake_seconds: Option<f64>,
+    empty_ms: f64,
+    rss_mb: Option<f64>,
+    gpu_mb: f64,
+    cells: Vec<Cell>,
+}
+
+/// Measures, prints the table and reports.
+pub fn run(args: &args::Bench) -> anyhow::Result<Outcome> {
+    let common = &args.common;
+    let output = Output::new(common.json.clone());
+    let modes: Vec<DrawMode> = match common.lod {
+        Some(lod) => vec![lod.into()],
+        None => vec![DrawMode::Hdlod, DrawMode::Batched, DrawMode::Objects],
+    };
+    let mut stage = Stage::set(common, &modes)?;
+    let plan = Plan::new(common.size, common.tolerance);
+    let progress = Arc::new(Progress::default());
+    let (empty_ms, cells) = {
+        let _line = terminal::ProgressLine::show(&progress);
+        let empty_ms = empty(&stage.gpu, &stage.scene.focus_bounds(), &plan, &progress)?;
+        (empty_ms, measure_all(&mut stage, &modes, &plan, &progress)?)
+    };
+    let model = &stage.scene.model;
+    let report = Report {
+        adapter: stage.gpu.info.name.clone(),
+        size: format!("{}x{}", plan.size.x, plan.size.y),
+        tolerance_px: plan.tolerance_px,
+        elements: model.elements.len(),
+        triangles: model.triangle_count(),
+        activities: stage.scene.schedule.activities.len(),
+        load_seconds: rounded(stage.load_seconds, 3),
+        bake_seconds: stage.bake_seconds.map(|s| rounded(s, 3)),
+        empty_ms,
+        rss_mb: rss_mb(),
+        gpu_mb: rounded(stage.renderer.gpu_bytes() as f64 / 1e6, 1),
+        cells,
+    };
+    output.say(&report.text());
+    output.write(&report)?;
+    Ok(Outcome::Fine)
+}
+
+/// A second renderer, with a scene that has nothing in it.
+fn empty(gpu: &Gpu, focus: &Aabb, plan: &Plan, progress: &Progress) -> anyhow::Result<f64> {
+    progress.begin("empty frame", 0)?;
+    let mut renderer = Renderer::new(gpu);
+    renderer.set_scene(&Arc::new(Scene::default()))?;
+    measure_empty(&mut renderer, focus, plan, progress)
+}
+
+fn measure_all(
+    stage: &mut Stage,
+    modes: &[DrawMode],
+    plan: &Plan,
+    progress: &Progress,
+) -> anyhow::Result<Vec<Cell>> {
+    let keys = cells(modes);
+    let mut measured = Vec::new();
+    for (i, key) in keys.iter().enumerate() {
+        let (moment, coverage) = (key.moment.name(), key.coverage.name());
+        progress
+            .begin(&format!("{moment} {coverage} {}", mode_name(key.mode)), keys.len() as u64)?;
+        progress.advance(i as u64)?;
+        measured.extend(measure(&mut stage.renderer, &stage.scene, *key, plan, progress)?);
+    }
+    Ok(measured)
+}
+
+impl Report {
+    fn text(&self) -> String {
+        let mut text = format!(
+            "{} elements, {} triangles, {} activities; {} pixels, {} px tolerance\n{}\n\n",
+            count(self.elements),
+            count(self.triangles),
+            count(self.activities),
+            self.size,
+            self.tolerance_px,
+            self.adapter,
+        );
+        text.push_str(&table::measured(&self.cells));
+        text.push_str(&table::compared(&self.cells));
+        text.push_str(&format!(
+            "\nA frame with nothing in it takes {:.1} ms. Memory: {} MB, on the GPU {} MB.\n",
+            self.empty_ms,
+            self.rss_mb.map_or("unknown".to_owned(), |mb| format!("{mb:.0}")),
+            self.gpu_mb.round(),
+        ));
+        text.push_str(&table::verdict(&self.cells, self.empty_ms));
+        text
+    }
+}

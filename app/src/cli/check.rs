@@ -1,0 +1,180 @@
+//! `topout check`: what loads, what is linked, what is wrong.
+
+use super::{Outcome, args, terminal};
+use crate::project;
+use crate::report::{Output, columns, count};
+use serde::Serialize;
+use serde_json::{Map, Value};
+use std::collections::BTreeSet;
+use std::fmt::Write;
+use std::sync::Arc;
+use topout_scene::{ElementId, Progress, Scene};
+use topout_schedule::{Diagnostic, Preset, Severity};
+
+/// The keys that scripts read.
+#[derive(Serialize, Debug)]
+pub struct Report {
+    name: String,
+    elements: usize,
+    triangles: usize,
+    meshes: usize,
+    instances: usize,
+    groups: usize,
+    /// World coordinates, metres: smallest and largest corner.
+    bounds: Option<[[f64; 3]; 2]>,
+    project: String,
+    activities: usize,
+    linked_elements: usize,
+    unlinked_elements: usize,
+    linked_activities: usize,
+    unlinked_activities: usize,
+    start: Option<String>,
+    finish: Option<String>,
+    behaviours: Map<String, Value>,
+    diagnostics: Vec<Diagnostic>,
+}
+
+/// Reports, and says whether there are errors.
+pub fn run(args: &args::Check) -> anyhow::Result<Outcome> {
+    let output = Output::new(args.common.json.clone());
+    let progress = Arc::new(Progress::default());
+    let scene = {
+        let _line = terminal::ProgressLine::show(&progress);
+        project::load_what_can_be(&args.common.request(), &progress)?
+    };
+    let report = Report::of(&scene);
+    output.say(&report.text());
+    output.write(&report)?;
+    Ok(if scene.diagnostics.has_errors() { Outcome::BadData } else { Outcome::Fine })
+}
+
+impl Report {
+    /// Counts a scene.
+    pub fn of(scene: &Scene) -> Self {
+        let model = &scene.model;
+        let elements = (0..model.elements.len()).map(|i| ElementId(i as u32));
+        let linked_elements = elements.filter(|&e| !scene.activities_of(e).is_empty()).count();
+        let linked_activities = scene.activity_links.iter().collect::<BTreeSet<_>>().len();
+        let activities = scene.schedule.activities.len();
+        let bounds = model.bounds();
+        let period = (activities > 0).then_some(scene.schedule.period);
+        Self {
+            name: model.name.clone(),
+            elements: model.elements.len(),
+            triangles: model.triangle_count(),
+            meshes: model.meshes.len(),
+            instances: model.instances.len(),
+            groups: model.groups.len(),
+            bounds: (!bounds.is_empty()).then(|| {
+                [bounds.min, bounds.max].map(|p| (p.as_dvec3() + model.origin).to_array())
+            }),
+            project: scene.schedule.project.clone(),
+            activities,
+            linked_elements,
+            unlinked_elements: model.elements.len() - linked_elements,
+            linked_activities,
+            unlinked_activities: activities - linked_activities,
+            start: period.map(|p| p.start.to_string()),
+            finish: period.map(|p| p.end.to_string()),
+            behaviours: behaviours(scene),
+            diagnostics: scene.diagnostics.iter().cloned().collect(),
+        }
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::new();
+        let mut section = |title: &str, name: &str, rows: &[(&str, String)]| {
+            let _ = writeln!(text, "{title:<12}{name}");
+            for (key, value) in rows {
+                let _ = writeln!(text, "  {key:<16}{value}");
+            }
+        };
+        let mut rows = vec![
+            ("elements", count(self.elements)),
+            ("triangles", count(self.triangles)),
+            ("meshes", format!("{}, used {} times", count(self.meshes), count(self.instances))),
+            ("groups", count(self.groups)),
+        ];
+        if let Some([min, max]) = self.bounds {
+            let corner = |p: [f64; 3]| format!("({:.1}, {:.1}, {:.1})", p[0], p[1], p[2]);
+            rows.push(("box", format!("{} to {} m", corner(min), corner(max))));
+        }
+        section("Model", &self.name, &rows);
+        if let (Some(start), Some(finish)) = (&self.start, &self.finish) {
+            let rows = [
+                ("activities", count(self.activities)),
+                ("start", start.clone()),
+                ("finish", finish.clone()),
+            ];
+            section("Schedule", &self.project, &rows);
+            let of =
+                |linked: usize, not: usize| format!("{} linked, {} not", count(linked), count(not));
+            let rows = [
+                ("elements", of(self.linked_elements, self.unlinked_elements)),
+                ("activities", of(self.linked_activities, self.unlinked_activities)),
+            ];
+            section("Links", "", &rows);
+        } else {
+            section("Schedule", "none: everything is there at all times", &[]);
+        }
+        text.push_str("Behaviours\n");
+        let mut rows = Vec::new();
+        for (name, number) in &self.behaviours {
+            if let Some(number) = number.as_u64().filter(|n| *n > 0) {
+                rows.push(vec![format!("  {name:<16}"), crate::report::grouped(number)]);
+            }
+        }
+        text.push_str(&columns(&rows));
+        text.push_str(&self.findings());
+        text
+    }
+
+    fn findings(&self) -> String {
+        if self.diagnostics.is_empty() {
+            return "Findings    none".to_owned();
+        }
+        let mut text = "Findings\n".to_owned();
+        for finding in &self.diagnostics {
+            let severity = match finding.severity {
+                Severity::Error => "error",
+                Severity::Warning => "warning",
+                Severity::Info => "info",
+            };
+            let _ = writeln!(text, "  {severity:<8}{} x{}", finding.code, count(finding.count));
+            for line in finding.message.lines() {
+                let _ = writeln!(text, "          {line}");
+            }
+            if finding.count > 1 {
+                let shown = finding.examples.len().min(5);
+                let more = if finding.count > shown { ", ..." } else { "" };
+                let _ = writeln!(text, "          {}{more}", finding.examples[..shown].join(", "));
+            }
+        }
+        text
+    }
+}
+
+fn behaviours(scene: &Scene) -> Map<String, Value> {
+    let period = scene.schedule.period;
+    let mut counts = [0u64; PRESETS.len()];
+    for behaviour in &scene.element_behaviour {
+        let preset = scene.behaviours[behaviour.index()].preset(period);
+        if let Some(place) = PRESETS.iter().position(|(p, _)| *p == preset) {
+            counts[place] += 1;
+        }
+    }
+    PRESETS.iter().zip(counts).map(|((_, name), n)| ((*name).to_owned(), n.into())).collect()
+}
+
+/// The behaviours by name, in the order of the report (H2).
+const PRESETS: [(Preset, &str); 9] = [
+    (Preset::Static, "static"),
+    (Preset::Absent, "absent"),
+    (Preset::Installed, "installed"),
+    (Preset::Removed, "removed"),
+    (Preset::Temporary, "temporary"),
+    (Preset::Skipped, "skipped"),
+    (Preset::ReInstalled, "re-installed"),
+    (Preset::ReDeleted, "re-deleted"),
+    (Preset::Other, "other"),
+];

@@ -1,0 +1,76 @@
+//! The command line: one file a sub-command.
+
+mod args;
+mod bake;
+mod bench;
+mod check;
+mod render;
+mod stage;
+mod table;
+mod terminal;
+
+use crate::project;
+use args::{Cli, Command};
+use clap::Parser;
+use std::process::ExitCode;
+use std::sync::Arc;
+use std::time::Instant;
+use topout_render::GpuError;
+use topout_scene::demo::DemoError;
+use topout_scene::{Progress, Scene};
+
+/// The data has errors, or a file cannot be used.
+const DATA: u8 = 1;
+/// Wrong use, also where only the work itself can tell.
+const WRONG_USE: u8 = 2;
+/// No graphics adapter.
+const NO_ADAPTER: u8 = 3;
+
+/// How a sub-command ended, when it did its work.
+enum Outcome {
+    Fine,
+    /// The work is done, and it found errors in the data.
+    BadData,
+}
+
+/// Runs what the command line asks for. Wrong use ends the process with code 2.
+pub fn run() -> ExitCode {
+    let started = Instant::now();
+    let cli = Cli::parse();
+    terminal::log_to_stderr();
+    let result = match cli.command {
+        Some(Command::Check(args)) => check::run(&args),
+        Some(Command::Bake(args)) => bake::run(&args),
+        Some(Command::Render(args)) => render::run(&args, started),
+        Some(Command::Bench(args)) => bench::run(&args),
+        None => crate::window::run(cli.viewer_request()).map(|()| Outcome::Fine),
+    };
+    match result {
+        Ok(Outcome::Fine) => ExitCode::SUCCESS,
+        Ok(Outcome::BadData) => ExitCode::from(DATA),
+        Err(error) => {
+            terminal::say_error(&error);
+            ExitCode::from(exit_code(&error))
+        }
+    }
+}
+
+fn exit_code(error: &anyhow::Error) -> u8 {
+    let caused_by =
+        |wanted: fn(&(dyn std::error::Error + 'static)) -> bool| error.chain().any(wanted);
+    if caused_by(|e| {
+        matches!(e.downcast_ref(), Some(GpuError::NoAdapter(_) | GpuError::NoDevice { .. }))
+    }) {
+        NO_ADAPTER
+    } else if caused_by(|e| e.is::<DemoError>()) {
+        WRONG_USE
+    } else {
+        DATA
+    }
+}
+
+/// Loads a project with a progress line on the terminal.
+fn load(request: &project::Request, progress: &Arc<Progress>) -> anyhow::Result<Scene> {
+    let _line = terminal::ProgressLine::show(progress);
+    project::load(request, progress)
+}

@@ -1,0 +1,225 @@
+//! The command line as scripts use it: options, exit codes, JSON keys.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use common::{Folder, assert_keys, command, number, run, small_project, text, topout};
+use std::collections::BTreeSet;
+
+#[test]
+fn help_names_every_sub_command() {
+    let help = topout(["--help"]);
+    assert_eq!(help.code, 0);
+    for sub in ["demo", "check", "bake", "render", "bench"] {
+        assert!(help.stdout.contains(&format!("\n  {sub} ")), "{sub} in {}", help.stdout);
+        assert_eq!(topout([sub, "--help"]).code, 0);
+    }
+}
+
+#[test]
+fn wrong_use_ends_with_2_and_says_what_was_expected() {
+    for (line, told) in [
+        ("check", "<MODEL>"),
+        ("check demo --wrong", "--wrong"),
+        ("frobnicate", "frobnicate"),
+        ("movie demo --from 2026-01-01", "--from"),
+        ("render demo -o a.png", "--at"),
+        ("render demo --at 3.4.2026 -o a.png", "3.4.2026"),
+        ("render demo --at 2026-04-03 -o a.png --size big", "1280x720"),
+        ("render demo --at 2026-04-03 -o a.png --coverage 4", "1/4"),
+        ("render demo --at 2026-04-03 -o a.png --eye 1,2,3", "--target"),
+        ("check demo --date-format dmy", "%d-%m-%Y"),
+        ("demo --elements 1000", "-o <DIR>"),
+        ("demo --elements 10 -o /no/such/folder", "1000"),
+    ] {
+        let wrong = topout(line.split(' '));
+        assert_eq!(wrong.code, 2, "{line}: {}", wrong.stderr);
+        assert!(wrong.stderr.contains(told), "{line}: {}", wrong.stderr);
+    }
+}
+
+/// The figures that the paper gives for its skyscraper (H16).
+#[test]
+fn the_demo_has_the_papers_size_and_links_without_errors() {
+    let report = topout(["check", "demo", "--json", "-"]).good_json();
+    assert_eq!(number(&report, "elements"), 79_396.0);
+    assert_eq!(number(&report, "triangles"), 3_632_126.0);
+    assert_eq!(number(&report, "activities"), 67_099.0);
+    assert_eq!(number(&report, "unlinked_activities"), 0.0, "{}", report["diagnostics"]);
+    let behaviours = report["behaviours"].as_object().unwrap();
+    for name in [
+        "static",
+        "absent",
+        "installed",
+        "removed",
+        "temporary",
+        "skipped",
+        "re-installed",
+        "re-deleted",
+    ] {
+        assert!(behaviours[name].as_u64() > Some(0), "{name}: {behaviours:?}");
+    }
+}
+
+#[test]
+fn check_counts_a_small_project() {
+    let folder = Folder::new();
+    let project = small_project(&folder);
+    let mut args = vec!["check"];
+    args.extend(project.iter().map(String::as_str));
+    let shown = topout(&args);
+    assert_eq!(shown.code, 0, "{}", shown.stderr);
+    assert!(shown.stdout.contains("elements") && shown.stdout.contains("installed"));
+    assert!(shown.stderr.is_empty(), "no progress without a terminal: {}", shown.stderr);
+
+    args.extend(["--json", "-"]);
+    let report = topout(&args).good_json();
+    for (key, expected) in [
+        ("elements", 3.0),
+        ("triangles", 36.0),
+        ("activities", 3.0),
+        ("linked_elements", 3.0),
+        ("unlinked_elements", 0.0),
+        ("linked_activities", 3.0),
+        ("unlinked_activities", 0.0),
+    ] {
+        assert_eq!(number(&report, key), expected, "{key}");
+    }
+    assert_eq!(report["start"], "2026-03-02T00:00:00");
+    assert_eq!(report["finish"], "2026-03-14T00:00:00", "a finish lasts to the end of its day");
+    // The slab is there from the first instant of the period on.
+    assert_eq!(report["behaviours"]["static"], 1);
+    assert_eq!(report["behaviours"]["installed"], 1);
+    assert_eq!(report["behaviours"]["removed"], 1);
+    assert_eq!(report["diagnostics"].as_array().map(Vec::len), Some(0));
+}
+
+#[test]
+fn json_goes_to_a_file_and_text_to_the_terminal() {
+    let folder = Folder::new();
+    let model = folder.cubes("house.glb", &["slab"]);
+    let json = text(&folder.path("report.json"));
+    let shown = topout(["check", &model, "--json", &json]);
+    assert_eq!(shown.code, 0, "{}", shown.stderr);
+    assert!(shown.stdout.contains("elements"));
+    let report: serde_json::Value = serde_json::from_slice(&std::fs::read(&json).unwrap()).unwrap();
+    assert_eq!(report["elements"], 1);
+    assert_eq!(report["start"], serde_json::Value::Null, "no schedule, no dates");
+    assert_eq!(report["behaviours"]["static"], 1);
+
+    let unwritable = topout(["check", &model, "--json", "/no/such/folder/report.json"]);
+    assert_eq!(unwritable.code, 1);
+    assert!(unwritable.stderr.contains("/no/such/folder/report.json"), "{}", unwritable.stderr);
+}
+
+#[test]
+fn several_models_make_one_scene() {
+    let folder = Folder::new();
+    let [a, b] = [folder.cubes("a.glb", &["a1", "a2"]), folder.cubes("b.glb", &["b1"])];
+    let report = topout(["check", &a, &b, "--json", "-"]).good_json();
+    assert_eq!(report["elements"], 3);
+    assert_eq!(report["triangles"], 36);
+}
+
+/// What `demo` writes is what `check`, `bake`, `render` and `bench` read.
+#[test]
+fn a_written_demo_goes_through_every_sub_command() {
+    let folder = Folder::new();
+    let out = text(&folder.path("new/demo"));
+    let sizes = ["--elements", "1500", "--triangles", "60000", "--activities", "1200"];
+    let mut args = vec!["demo", "-o", &out, "--json", "-"];
+    args.extend(sizes);
+    let written = topout(&args).good_json();
+    for (key, expected) in [("elements", 1500), ("triangles", 60_000), ("activities", 1200)] {
+        assert_eq!(written[key], expected, "{key}");
+    }
+    let (model, schedule) = (format!("{out}/demo.glb"), format!("{out}/demo.json"));
+    let project = [model.as_str(), "--schedule", schedule.as_str(), "--json", "-"];
+
+    let checked = topout(["check"].iter().chain(&project)).good_json();
+    for key in ["elements", "triangles", "activities"] {
+        assert_eq!(checked[key], written[key], "{key}");
+    }
+    assert_eq!(checked["unlinked_activities"], 0, "{}", checked["diagnostics"]);
+
+    let baked = topout(["bake", "--no-cache"].iter().chain(&project)).good_json();
+    assert_keys(&baked, &["clusters", "levels", "max_degree", "root_triangles", "seconds"]);
+    assert_keys(&baked, &["peak_rss_mb", "cache_bytes", "cache_hit", "phases"]);
+    assert_eq!(baked["elements"], written["elements"]);
+    assert!(number(&baked, "clusters") > 10.0 && number(&baked, "levels") > 3.0, "{baked}");
+    assert!(number(&baked, "root_triangles") < 0.2 * number(&baked, "triangles"), "{baked}");
+    assert!(baked["phases"].as_object().unwrap().len() > 3, "{baked}");
+
+    let measured = topout(["bench", "--size", "320x180"].iter().chain(&project)).good_json();
+    bench_is_complete(&measured);
+}
+
+/// Five rows; hdlod and batched at three coverages, objects at 1/1 (formats.md).
+fn bench_is_complete(report: &serde_json::Value) {
+    assert_keys(report, &["adapter", "tolerance_px", "empty_ms", "rss_mb", "gpu_mb"]);
+    assert_eq!(report["size"], "320x180");
+    let cells = report["cells"].as_array().unwrap();
+    let places: BTreeSet<_> = cells
+        .iter()
+        .map(|c| ["time", "coverage", "lod"].map(|key| c[key].as_str().unwrap().to_owned()))
+        .collect();
+    let mut expected = BTreeSet::new();
+    for time in ["start", "1/3", "2/3", "end", "animation"] {
+        for coverage in ["1/1", "1/4", "1/16"] {
+            for lod in ["hdlod", "batched", "objects"] {
+                if lod != "objects" || coverage == "1/1" {
+                    expected.insert([time, coverage, lod].map(str::to_owned));
+                }
+            }
+        }
+    }
+    assert_eq!(places, expected);
+    assert_eq!(cells.len(), expected.len());
+    for cell in cells {
+        assert_keys(cell, &["p95_ms", "select_ms", "gpu_ms", "draws", "triangles"]);
+        assert!(number(cell, "frame_ms") > 0.0, "{cell}");
+        let least = match (cell["lod"] == "hdlod", cell["time"] == "animation") {
+            (true, true) => 120.0,
+            (true, false) => 30.0,
+            (false, true) => 12.0,
+            (false, false) => 5.0,
+        };
+        assert!(number(cell, "frames") >= least, "{cell}");
+        assert_eq!(cell.get("flip").is_some(), cell["lod"] == "hdlod", "{cell}");
+        if cell["lod"] == "hdlod" {
+            assert!((0.0..0.2).contains(&number(cell, "flip")), "{cell}");
+            assert!(number(cell, "coverage_change").abs() < 0.5, "{cell}");
+        }
+    }
+}
+
+#[test]
+fn without_an_adapter_the_code_is_3() {
+    let folder = Folder::new();
+    let model = folder.cubes("house.glb", &["slab"]);
+    let png = text(&folder.path("a.png"));
+    let mut blind = command(["render", &model, "--at", "2026-03-03", "-o", &png]);
+    // No Vulkan driver and no display to get OpenGL from.
+    blind.env("VK_DRIVER_FILES", "/dev/null").env("VK_ICD_FILENAMES", "/dev/null");
+    blind.env_remove("DISPLAY").env_remove("WAYLAND_DISPLAY").env("WGPU_BACKEND", "vulkan");
+    let end = run(&mut blind);
+    assert_eq!(end.code, 3, "{}", end.stderr);
+    assert!(end.stderr.contains("graphics adapter"), "{}", end.stderr);
+    assert!(!folder.path("a.png").exists());
+}
+
+/// A reader that goes away early, like `head`, is no reason to die.
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let folder = Folder::new();
+    let model = folder.cubes("house.glb", &["slab"]);
+    let mut child = command(["check", &model])
+        .stdout(std::process::Stdio::piped())
+        .stderr(std::process::Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    let end = child.wait_with_output().unwrap();
+    assert_eq!(end.status.code(), Some(0));
+    assert_eq!(String::from_utf8(end.stderr).unwrap(), "");
+}

@@ -1,0 +1,78 @@
+//! The demo project as it should look: three dates, three coverages, drawn with HDLOD.
+#![allow(clippy::unwrap_used)]
+
+use glam::UVec2;
+use std::sync::Arc;
+use topout::flip::Difference;
+use topout_render::DrawMode;
+use topout_scene::{BehaviourId, Scene};
+use topout_schedule::Behaviour;
+use topout_tests::{Stage, demo_scene, golden};
+
+const SIZE: UVec2 = UVec2::new(480, 270);
+
+/// Dates as fractions of the period, with the name that the pictures bear.
+const DATES: [(f64, &str); 3] = [(1.0 / 3.0, "third"), (2.0 / 3.0, "two_thirds"), (1.0, "end")];
+
+/// Distances as multiples of the fitting one.
+const DISTANCES: [(f32, &str); 3] = [(1.0, "full"), (2.0, "quarter"), (4.0, "sixteenth")];
+
+/// Each picture shows the site in the standard view: the tower grows from date to date, and gets
+/// smaller from coverage to coverage; ground and sky fill the rest. Beside the golden pictures,
+/// those of full detail are asked: HDLOD at a tolerance of one pixel must look like them.
+#[test]
+fn the_demo_looks_as_it_should() {
+    let mut stage = Stage::with_tree(demo_scene());
+    let mut faults = Vec::new();
+    for (fraction, date) in DATES {
+        for (distance, coverage) in DISTANCES {
+            let (view, time) = (stage.standard_view(distance, SIZE), stage.date(fraction));
+            let name = format!("demo_{date}_{coverage}");
+            let picture = stage.picture(view, time, DrawMode::Hdlod);
+            faults.extend(golden::check(&name, &picture).err());
+            let full = stage.picture(view, time, DrawMode::Batched);
+            let difference = Difference::between(&full, &picture).unwrap();
+            println!("{name}: {difference:?} from full detail");
+            if difference.elements > Difference::VISIBLE {
+                faults.push(format!("{name}: {difference:?} from full detail"));
+            }
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// The scene without the elements of one storey.
+fn without_storey(scene: &Scene, storey: &str) -> Scene {
+    let mut scene = scene.clone();
+    let never = BehaviourId(scene.behaviours.len() as u32);
+    scene.behaviours.push(Behaviour::never());
+    for (element, behaviour) in scene.model.elements.iter().zip(&mut scene.element_behaviour) {
+        if element.storey == storey {
+            *behaviour = never;
+        }
+    }
+    scene
+}
+
+/// The thresholds of the golden pictures see what they are for.
+#[test]
+fn a_missing_storey_does_not_match() {
+    let whole = demo_scene();
+    let mut storeys: Vec<&str> = whole.model.elements.iter().map(|e| e.storey.as_str()).collect();
+    storeys.sort_unstable();
+    storeys.dedup();
+    println!("{storeys:?}");
+    let storey = storeys[storeys.len() / 2].to_owned();
+    let part = Arc::new(without_storey(&whole, &storey));
+    let mut stage = Stage::new(whole);
+    let end = stage.date(1.0);
+    let views = DISTANCES.map(|(distance, _)| stage.standard_view(distance, SIZE));
+    let expected = views.map(|view| stage.picture(view, end, DrawMode::Batched));
+    stage.replace(part);
+    for (view, expected) in views.into_iter().zip(expected) {
+        let picture = stage.picture(view, end, DrawMode::Batched);
+        let difference = Difference::between(&expected, &picture).unwrap();
+        println!("without {storey}: {difference:?}");
+        assert!(!golden::matches(&difference), "without {storey}: {difference:?}");
+    }
+}
