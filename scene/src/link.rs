@@ -179,7 +179,7 @@ fn pairs(model: &Model, schedule: &Schedule, diagnostics: &mut Diagnostics) -> V
     let groups = Groups::new(model);
     let mut pairs: Vec<(u32, u32)> = Vec::new();
     for (a, activity) in schedule.activities.iter().enumerate() {
-        for entry in &activity.elements {
+        for (n, entry) in activity.elements.iter().enumerate() {
             let mut found = 0usize;
             for target in names.find(entry) {
                 found += 1;
@@ -190,8 +190,9 @@ fn pairs(model: &Model, schedule: &Schedule, diagnostics: &mut Diagnostics) -> V
                 if pairs.len() + elements.len() > MOST_LINKS {
                     diagnostics.add(Severity::Error, "too-many-links", entry.as_str(), || {
                         format!(
-                            "activity {:?}: more than {MOST_LINKS} links of elements; {entry:?} \
-                             and what follows is left out",
+                            "{}: activity {:?}: more than {MOST_LINKS} links of elements; \
+                             {entry:?} and what follows is left out",
+                            schedule.element_place(a, n),
                             activity.id
                         )
                     });
@@ -202,15 +203,17 @@ fn pairs(model: &Model, schedule: &Schedule, diagnostics: &mut Diagnostics) -> V
             match found {
                 0 => diagnostics.add(Severity::Warning, "unknown-element", entry.as_str(), || {
                     format!(
-                        "activity {:?} is linked to {entry:?}, which the model does not have",
+                        "{}: activity {:?} is linked to {entry:?}, which the model does not have",
+                        schedule.element_place(a, n),
                         activity.id
                     )
                 }),
                 1 => {}
-                n => diagnostics.add(Severity::Info, "ambiguous-element", entry.as_str(), || {
+                many => diagnostics.add(Severity::Info, "ambiguous-element", entry.as_str(), || {
                     format!(
-                        "activity {:?} is linked to {entry:?}, which occurs {n} times; all are \
-                         linked",
+                        "{}: activity {:?} is linked to {entry:?}, which occurs {many} times; all \
+                         are linked",
+                        schedule.element_place(a, n),
                         activity.id
                     )
                 }),
@@ -265,20 +268,14 @@ fn note_unlinked(scene: &mut Scene) {
     for &activity in &scene.activity_links {
         touched[activity as usize] = true;
     }
-    for (activity, touched) in scene.schedule.activities.iter().zip(touched) {
+    for (a, (activity, touched)) in scene.schedule.activities.iter().zip(touched).enumerate() {
         // What says nothing of presence needs no element.
         if !touched && activity.kind != ActivityKind::Neutral {
-            scene.diagnostics.add(
-                Severity::Warning,
-                "unlinked-activity",
-                activity.id.as_str(),
-                || {
-                    format!(
-                        "activity {:?} ({}) is linked to no element",
-                        activity.id, activity.name
-                    )
-                },
-            );
+            let Activity { id, name, .. } = activity;
+            scene.diagnostics.add(Severity::Warning, "unlinked-activity", id.as_str(), || {
+                let place = scene.schedule.place(a);
+                format!("{place}: activity {id:?} ({name}) is linked to no element")
+            });
         }
     }
     for (i, element) in scene.model.elements.iter().enumerate() {

@@ -46,7 +46,7 @@ pub(crate) fn decode_vertices(
     if !stride.is_multiple_of(4) || !(4..=256).contains(&stride) {
         return Err(format!("a packed vertex of {stride} bytes is not possible"));
     }
-    let size = count.checked_mul(stride).unwrap_or(usize::MAX);
+    let size = count.saturating_mul(stride);
     if size > packed.len().saturating_mul(LARGEST_RATIO) {
         return Err(format!(
             "{count} vertices of {stride} bytes cannot be packed in {} bytes",

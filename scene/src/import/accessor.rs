@@ -147,9 +147,6 @@ impl<'a> Attribute<'a> {
                 }
                 Some(elements(view.bytes, &place, accessor.byte_offset.0, count, stride, size)?)
             }
-            None if accessor.sparse.is_none() => {
-                return Err(fault("has no bufferView, so there is no data".to_owned()));
-            }
             None if count > MOST_ZEROS => {
                 return Err(fault(format!("count {count} is too large without a bufferView")));
             }

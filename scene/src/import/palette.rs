@@ -13,6 +13,9 @@ use topout_schedule::{Diagnostics, Severity};
 /// What [`crate::Vertex::material`] can address.
 pub(super) const MOST_MATERIALS: usize = 1 << 16;
 
+/// So many bits a channel tell all colours apart that a screen can show.
+const EXACT_BITS: u32 = 24;
+
 /// A vertex colour, sixteen bits a channel, linear.
 pub(super) type Color = [u16; 4];
 
@@ -270,7 +273,7 @@ pub(super) fn reduce(
         let places = (0..all.len()).map(|i| i as u16).collect();
         return (all, places);
     }
-    for bits in [24u32, 8, 6, 5, 4, 3, 2] {
+    for bits in [EXACT_BITS, 8, 7, 6, 5, 4, 3, 2] {
         let steps = ((1u64 << bits) - 1) as f32;
         let level = |v: f32| (v.clamp(0.0, 1.0) * steps).round() as u32;
         let mut table: HashMap<([u32; 6], bool), u16> = HashMap::new();
@@ -284,7 +287,13 @@ pub(super) fn reduce(
                 std::collections::hash_map::Entry::Occupied(known) => *known.get(),
                 std::collections::hash_map::Entry::Vacant(_) if full => break,
                 std::collections::hash_map::Entry::Vacant(free) => {
-                    materials.push(material.clone());
+                    let mut kept = material.clone();
+                    if bits < EXACT_BITS {
+                        kept.color = [0, 1, 2, 3].map(|i| key[i] as f32 / steps);
+                        // What is blended stays so, and what is solid stays solid.
+                        kept.color[3] = if material.transparent { kept.color[3] } else { 1.0 };
+                    }
+                    materials.push(kept);
                     *free.insert((materials.len() - 1) as u16)
                 }
             };
@@ -341,7 +350,7 @@ mod tests {
         assert!(materials.len() <= MOST_MATERIALS && materials.len() > 10_000);
         for (material, &place) in all.iter().zip(&places) {
             for (a, b) in material.color.iter().zip(materials[usize::from(place)].color) {
-                assert!((a - b).abs() <= 1.0 / 255.0 + 1e-6);
+                assert!((a - b).abs() <= 0.5 / 255.0 + 1e-6);
             }
         }
         assert_eq!(diagnostics.get("many-colors").unwrap().severity, Severity::Warning);

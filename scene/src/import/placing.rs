@@ -63,6 +63,15 @@ pub(super) fn place(
     let boxes = world_boxes(&placements, &shapes, elements.len());
 
     let middle = median(&boxes);
+    model.origin = origin(middle);
+    // An f32 may overflow where the f64 above did not.
+    let mut drawable = vec![true; elements.len()];
+    for placement in &placements {
+        let instance = instance(placement, model.origin);
+        let bounds = shapes[placement.mesh].bounds.transformed(&instance.world_from_mesh);
+        let finite = instance.world_from_mesh.is_finite() && bounds.max.is_finite();
+        drawable[placement.element] &= finite && bounds.min.is_finite();
+    }
     let keep: Vec<bool> = boxes
         .iter()
         .enumerate()
@@ -76,7 +85,7 @@ pub(super) fn place(
                     });
                     false
                 }
-                Some(world) if !reaches(world, middle) => {
+                Some(world) if !drawable[e] || !reaches(world, middle) => {
                     model.diagnostics.add(Severity::Error, "far-element", name(), || {
                         format!(
                             "{file}: node {:?} lies from {} to {}, further than {FAR:e} m from the \
@@ -93,17 +102,10 @@ pub(super) fn place(
         })
         .collect();
 
-    model.origin = origin(middle);
     model.groups = groups;
     placements.retain(|p| keep[p.element]);
     let shapes = drop_unused(shapes, &mut placements);
-    model.instances = placements
-        .iter()
-        .map(|p| Instance {
-            mesh: MeshId(p.mesh as u32),
-            world_from_mesh: to_local(&p.world_from_mesh, model.origin),
-        })
-        .collect();
+    model.instances = placements.iter().map(|p| instance(p, model.origin)).collect();
     let bounds: Vec<Aabb> =
         model.instances.par_iter().map(|i| instance_bounds(&shapes[i.mesh.index()], i)).collect();
     model.meshes = shapes;
@@ -167,14 +169,16 @@ fn origin(middle: DVec3) -> DVec3 {
     DVec3::new(axis(middle.x), axis(middle.y), axis(middle.z))
 }
 
-fn to_local(world_from_mesh: &DAffine3, origin: DVec3) -> Affine3A {
-    let m = world_from_mesh.matrix3;
-    Affine3A::from_cols(
+/// The placement in local space.
+fn instance(placement: &Placement, origin: DVec3) -> Instance {
+    let DAffine3 { matrix3: m, translation } = placement.world_from_mesh;
+    let world_from_mesh = Affine3A::from_cols(
         m.x_axis.as_vec3().into(),
         m.y_axis.as_vec3().into(),
         m.z_axis.as_vec3().into(),
-        (world_from_mesh.translation - origin).as_vec3().into(),
-    )
+        (translation - origin).as_vec3().into(),
+    );
+    Instance { mesh: MeshId(placement.mesh as u32), world_from_mesh }
 }
 
 /// Meshes that only left-out elements used go too.
@@ -183,10 +187,8 @@ fn drop_unused(shapes: Vec<Mesh>, placements: &mut [Placement]) -> Vec<Mesh> {
     for placement in placements.iter() {
         numbers[placement.mesh] = Some(0);
     }
-    let mut next = 0;
-    for number in numbers.iter_mut().flatten() {
+    for (next, number) in numbers.iter_mut().flatten().enumerate() {
         *number = next;
-        next += 1;
     }
     for placement in placements {
         placement.mesh = numbers[placement.mesh].expect("just marked");

@@ -62,3 +62,45 @@ fn storeys_kinds_and_guids_come_from_the_extras() {
     // 246 windows and the like share meshes.
     assert!(model.meshes.len() < model.elements.len());
 }
+
+fn linked(folder: &std::path::Path, schedules: &[&str]) -> crate::Scene {
+    let house = folder.join("schependomlaan");
+    let model = read_model(&house.join("schependomlaan.glb"), &Progress::default()).unwrap();
+    let paths: Vec<PathBuf> = schedules.iter().map(|s| house.join(s)).collect();
+    let schedule = topout_schedule::read_files(&paths, &Default::default()).unwrap();
+    crate::link::link(model, schedule)
+}
+
+#[test]
+fn the_real_schedule_links_to_the_real_house() {
+    let Some(folder) = real_data() else { return };
+    let scenes =
+        [linked(&folder, &["schedule.json"]), linked(&folder, &["schedule.csv", "links.csv"])];
+    for scene in &scenes {
+        let report = crate::link::report(scene);
+        assert_eq!((report.elements, report.activities), (3504, 73));
+        assert!(report.linked_elements >= 3502, "{report:?}");
+        assert_eq!(report.linked_elements + report.unlinked_elements, 3504);
+        assert!(!scene.diagnostics.has_errors(), "{:?}", scene.diagnostics);
+    }
+    assert_eq!(scenes[0].activity_links, scenes[1].activity_links);
+}
+
+/// One activity, the finishing, is linked to every element and starts late; each element stands
+/// there from the start of its own first activity all the same.
+#[test]
+fn the_house_grows_through_the_year() {
+    let Some(folder) = real_data() else { return };
+    let scene = linked(&folder, &["schedule.json"]);
+    let at = |date| scene.present_counts(topout_schedule::Time::parse_iso(date).unwrap());
+    let counts: Vec<usize> =
+        ["2015-01-01", "2015-03-20", "2015-06-01", "2015-09-01", "2015-12-30", "2016-06-01"]
+            .map(|date| at(date).0)
+            .to_vec();
+    assert!(counts.is_sorted(), "{counts:?}");
+    assert!(counts[0] <= 2 && counts[1] > 0 && counts[1] < counts[2], "{counts:?}");
+    assert!(counts[2] < counts[3] && counts[3] < counts[4], "{counts:?}");
+    assert_eq!(at("2016-06-01"), (3504, 260_195));
+    let foundations = scene.model.elements.iter().filter(|e| e.storey == "-1 fundering").count();
+    assert!(counts[1] <= foundations + 2, "{counts:?}, {foundations}");
+}
