@@ -4,6 +4,7 @@
 //! Nothing here touches wgpu or egui.
 
 pub mod demo;
+pub mod export;
 mod geometry;
 pub mod hdlod;
 pub mod import;
