@@ -23,6 +23,9 @@ pub(crate) struct FrameUniform {
     pub size: Vec2,
     pub bend: f32,
     pub edges: f32,
+    pub near: f32,
+    pub pixel_m: f32,
+    pub padding: [f32; 2],
 }
 
 /// Towards the sun: azimuth 68 degrees from +Z towards +X, 44 degrees high. Of the standard view's
@@ -32,15 +35,28 @@ fn sun() -> Vec3 {
     Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos())
 }
 
+/// Where the ground is: at height zero of the project if the scene reaches below and above it, as
+/// with foundations, else at the foot of the scene.
+pub(crate) fn ground_height(bounds: &Aabb, origin_height: f64) -> f32 {
+    let zero = -origin_height as f32;
+    if bounds.min.y < zero && zero < bounds.max.y {
+        zero
+    } else if bounds.is_empty() {
+        0.0
+    } else {
+        bounds.min.y
+    }
+}
+
 /// Fine grid lines: a power of ten metres, about a hundredth of the scene.
 fn grid_spacing(extent: f32) -> f32 {
     10.0f32.powf((extent.max(1.0) / 40.0).log10().ceil().clamp(-1.0, 4.0))
 }
 
 impl FrameUniform {
-    /// `bounds` is the box of the scene (any box where there is none), `edges` the strength of
-    /// the edge lines in [0, 1].
-    pub fn new(view: &View, bounds: &Aabb, edges: f32) -> Self {
+    /// `bounds` is the box of the scene (any box where there is none), `ground` the height of the
+    /// ground in it, `edges` the strength of the edge lines in [0, 1].
+    pub fn new(view: &View, bounds: &Aabb, ground: f32, edges: f32) -> Self {
         let bounds = if bounds.is_empty() {
             Aabb { min: Vec3::new(-10.0, 0.0, -10.0), max: Vec3::splat(10.0) }
         } else {
@@ -69,19 +85,22 @@ impl FrameUniform {
             eye: view.eye,
             parallel,
             forward,
-            ground: bounds.min.y,
+            ground,
             right: right * half_height * view.aspect(),
             // Distance from the eye means nothing where rays are parallel.
             haze_m: if parallel > 0.5 { f32::MAX } else { bounds.diameter().max(1.0) * 30.0 },
             up: up * half_height,
             grid_m: grid_spacing(extent.x.max(extent.z)),
             sun: sun(),
-            height_m: extent.y.max(1.0),
+            height_m: (bounds.max.y - ground).max(1.0),
             middle: Vec2::new(center.x, center.z),
             half_extent: Vec2::new(extent.x, extent.z) * 0.5,
             size,
             bend,
             edges,
+            near: view.near(),
+            pixel_m: 2.0 * half_height / size.y,
+            padding: [0.0; 2],
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The renderer: one scene, one picture a frame.
 
 use crate::draw_list::DrawList;
-use crate::frame::FrameUniform;
+use crate::frame::{FrameUniform, ground_height};
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::{Glass, Post, SceneBindings, Sky, Solid};
 use crate::pool::{Geometry, INDEX_BYTES, INSTANCE_BYTES, Pool, VERTEX_BYTES};
@@ -56,7 +56,7 @@ impl Options {
     /// What suits the adapter.
     pub fn for_gpu(gpu: &Gpu) -> Self {
         let antialias = if gpu.is_software() { Antialias::Smooth } else { Antialias::Msaa4 };
-        Self { antialias, edges: 0.45, culling: true }
+        Self { antialias, edges: 0.35, culling: true }
     }
 }
 
@@ -148,6 +148,7 @@ pub struct Renderer {
     scene: Option<Arc<Scene>>,
     hdlod: Option<Arc<Hdlod>>,
     bounds: Aabb,
+    ground: f32,
 }
 
 impl Renderer {
@@ -188,6 +189,7 @@ impl Renderer {
             scene: None,
             hdlod: None,
             bounds: Aabb::EMPTY,
+            ground: 0.0,
         }
     }
 
@@ -215,11 +217,13 @@ impl Renderer {
         self.scene = None;
         self.hdlod = None;
         self.bounds = Aabb::EMPTY;
+        self.ground = 0.0;
         self.scene_group = self.bindings.bind(&self.gpu, &self.frame, &self.empty_materials);
         let pool = Pool::new(&self.gpu, scene)?;
         self.scene_group = self.bindings.bind(&self.gpu, &self.frame, &pool.materials);
         self.pool = Some(pool);
         self.bounds = scene.model.bounds();
+        self.ground = ground_height(&self.bounds, scene.model.origin.y);
         self.scene = Some(Arc::clone(scene));
         Ok(())
     }
@@ -355,7 +359,7 @@ impl Renderer {
 
     /// Writes and submits the commands of a frame.
     fn encode(&mut self, view: &View, mode: DrawMode) {
-        let uniform = FrameUniform::new(view, &self.bounds, self.options.edges);
+        let uniform = FrameUniform::new(view, &self.bounds, self.ground, self.options.edges);
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         let indirect =
             mode != DrawMode::Objects && self.gpu.has(wgpu::Features::INDIRECT_FIRST_INSTANCE);

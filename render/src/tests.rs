@@ -66,6 +66,9 @@ fn frame_is_laid_out_alike_in_every_shader() {
         size,
         bend,
         edges,
+        near,
+        pixel_m,
+        padding,
     });
     for (name, text) in SHADERS {
         assert_eq!(layout(&parse(name, text), "Frame"), rust, "{name}");
@@ -122,4 +125,73 @@ fn too_big_is_an_error() {
         error.to_string().contains("scene vertices")
             && error.to_string().contains(&limit.to_string())
     );
+}
+
+/// `encode` of the shaders, run on the GPU over 0 to 1, is the sRGB curve within one step of 255.
+#[test]
+fn encode_is_the_srgb_curve() {
+    const COUNT: u32 = 1024;
+    let text = format!(
+        "{}\n{}\n@group(0) @binding(1) var<storage, read_write> out: array<f32>;\n\
+         @compute @workgroup_size(64) fn main(@builtin(global_invocation_id) id: vec3<u32>) {{\n\
+         out[id.x] = encode(vec3<f32>(f32(id.x) / {}.0)).y + 0.0 * frame.ground;\n}}",
+        include_str!("../../shaders/common/frame.wgsl"),
+        include_str!("../../shaders/common/light.wgsl"),
+        COUNT - 1
+    );
+    let gpu = crate::Gpu::headless().unwrap();
+    let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some("encode test"),
+        source: wgpu::ShaderSource::Wgsl(text.into()),
+    });
+    let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+        label: Some("encode test"),
+        layout: None,
+        module: &module,
+        entry_point: Some("main"),
+        compilation_options: wgpu::PipelineCompilationOptions::default(),
+        cache: None,
+    });
+    use wgpu::BufferUsages as U;
+    let frame = gpu.buffer("frame", size_of::<FrameUniform>() as u64, U::UNIFORM).unwrap();
+    let out = gpu.buffer("out", u64::from(COUNT) * 4, U::STORAGE | U::COPY_SRC).unwrap();
+    let back = gpu.buffer("back", u64::from(COUNT) * 4, U::MAP_READ | U::COPY_DST).unwrap();
+    let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+        label: Some("encode test"),
+        layout: &pipeline.get_bind_group_layout(0),
+        entries: &[
+            wgpu::BindGroupEntry { binding: 0, resource: frame.as_entire_binding() },
+            wgpu::BindGroupEntry { binding: 1, resource: out.as_entire_binding() },
+        ],
+    });
+    let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+    let mut pass = encoder.begin_compute_pass(&wgpu::ComputePassDescriptor::default());
+    pass.set_pipeline(&pipeline);
+    pass.set_bind_group(0, &group, &[]);
+    pass.dispatch_workgroups(COUNT / 64, 1, 1);
+    drop(pass);
+    encoder.copy_buffer_to_buffer(&out, 0, &back, 0, u64::from(COUNT) * 4);
+    gpu.queue.submit([encoder.finish()]);
+    back.map_async(wgpu::MapMode::Read, .., Result::unwrap);
+    gpu.wait();
+    let bytes = back.get_mapped_range(..).unwrap();
+    for (i, encoded) in bytes.chunks_exact(4).map(bytemuck::pod_read_unaligned::<f32>).enumerate() {
+        let c = i as f32 / (COUNT - 1) as f32;
+        let srgb = if c <= 0.003_130_8 { c * 12.92 } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 };
+        assert!((encoded - srgb).abs() < 1.0 / 255.0, "{c}: {encoded} instead of {srgb}");
+    }
+}
+
+/// The ground lies at the project's zero where the scene reaches through it, else at its foot.
+#[test]
+fn ground_is_zero_or_the_foot() {
+    use crate::frame::ground_height;
+    use glam::Vec3;
+    use topout_scene::Aabb;
+    let bounds = |from: f32, to: f32| Aabb { min: Vec3::splat(from), max: Vec3::splat(to) };
+    assert_eq!(ground_height(&bounds(-3.0, 20.0), 0.0), 0.0);
+    assert_eq!(ground_height(&bounds(-3.0, 20.0), -5.0), 5.0);
+    assert_eq!(ground_height(&bounds(2.0, 20.0), 0.0), 2.0);
+    assert_eq!(ground_height(&bounds(-9.0, -1.0), 0.0), -9.0);
+    assert_eq!(ground_height(&Aabb::EMPTY, 7.0), 0.0);
 }

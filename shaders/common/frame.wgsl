@@ -30,6 +30,11 @@ struct Frame {
     bend: f32,
     // Strength of the edge lines, 0 for none.
     edges: f32,
+    // Distance of the near plane, metres.
+    near: f32,
+    // Width of a pixel in parallel projection, metres.
+    pixel_m: f32,
+    padding: vec2<f32>,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

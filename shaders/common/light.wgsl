@@ -5,13 +5,14 @@ const ZENITH: vec3<f32> = vec3<f32>(0.26, 0.46, 0.76);
 const HORIZON: vec3<f32> = vec3<f32>(0.80, 0.86, 0.92);
 const EARTH: vec3<f32> = vec3<f32>(0.46, 0.44, 0.41);
 // Light from all around, from above and from below (cool against warm).
-const AMBIENT_ABOVE: vec3<f32> = vec3<f32>(0.62, 0.72, 0.88);
+const AMBIENT_ABOVE: vec3<f32> = vec3<f32>(0.60, 0.72, 0.92);
 const AMBIENT_BELOW: vec3<f32> = vec3<f32>(0.36, 0.33, 0.30);
 
 // What is seen far away in a unit direction.
 fn sky(direction: vec3<f32>) -> vec3<f32> {
     let up = clamp(direction.y, 0.0, 1.0);
-    let above = mix(HORIZON, ZENITH, up * (2.0 - up));
+    let low = 1.0 - up;
+    let above = mix(ZENITH, HORIZON, low * low * low);
     return mix(above, EARTH, clamp(direction.y * -6.0, 0.0, 1.0));
 }
 
@@ -49,7 +50,7 @@ fn shade(s: Surface, normal: vec3<f32>, to_eye: vec3<f32>, height: f32) -> vec3<
     let mirrored = sky(reflect(-to_eye, normal));
     let blurred = mix(mirrored, ambient, s.roughness);
 
-    return diffuse * (SUN * lit * 0.62 + ambient * 0.60 + fill)
+    return diffuse * (SUN * lit * 0.74 + ambient * 0.52 + fill)
         + f0 * SUN * min(glint, 8.0)
         + fresnel * blurred * mix(0.35, 1.0, s.metallic);
 }
@@ -76,7 +77,7 @@ fn tonemap(color: vec3<f32>) -> vec3<f32> {
 fn encode(color: vec3<f32>) -> vec3<f32> {
     let c = clamp(color, vec3<f32>(0.0), vec3<f32>(1.0));
     let s = sqrt(c);
-    let curve = -0.03090 + s * (1.34386 - s * (0.50598 + s * 0.19302));
+    let curve = -0.03090 + s * (1.34386 + s * (-0.50598 + s * 0.19302));
     return select(curve, c * 12.92, c < vec3<f32>(0.0031308));
 }
 
