@@ -191,7 +191,8 @@ pub fn diagnostics(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Com
     egui::Window::new("Diagnostics")
         .open(&mut open)
         .default_size([520.0, 320.0])
-        .default_pos([24.0, 64.0])
+        .collapsible(false)
+        .default_pos([24.0, 140.0])
         .show(ctx, |ui| {
             ScrollArea::vertical().auto_shrink([false, true]).show(ui, |ui| {
                 if project.scene.diagnostics.iter().next().is_none() {
@@ -235,7 +236,8 @@ pub fn shortcuts(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Comma
     egui::Window::new("Keyboard shortcuts")
         .open(&mut open)
         .resizable(false)
-        .default_pos([24.0, 64.0])
+        .collapsible(false)
+        .default_pos([24.0, 140.0])
         .show(ctx, |ui| {
             let actions = actions();
             let half = actions.len().div_ceil(2);

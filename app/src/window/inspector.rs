@@ -5,7 +5,7 @@ use super::command::{Command, keys_of};
 use super::loading::Project;
 use super::state::AppState;
 use super::theme::{SMALL, kind_color, kind_name, palette};
-
+use crate::report::grouped;
 use egui::{Color32, Rect, RichText, ScrollArea, Sense, Stroke, Ui};
 use topout_scene::ElementId;
 use topout_schedule::{Activity, Behaviour, Preset, Time};
@@ -212,10 +212,6 @@ fn preset_name(preset: Preset) -> &'static str {
         Preset::ReDeleted => "removed, back, removed again",
         Preset::Other => "comes and goes",
     }
-}
-
-fn grouped(count: u64) -> String {
-    count.to_string()
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use crate::project::{self, Request};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{self, TryRecvError};
+use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use topout_scene::pick::Picker;
 use topout_scene::{Aabb, Progress, Scene};
@@ -12,8 +13,9 @@ use topout_scene::{Aabb, Progress, Scene};
 /// Called by a worker when it has something to show.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
 
-/// One piece of work on a thread of its own. Dropping it asks the thread to stop.
+/// One piece of work on a thread of its own. Dropping it asks the thread to stop and does not wait.
 pub struct Job<T> {
+    thread: Option<JoinHandle<()>>,
     progress: Arc<Progress>,
     result: mpsc::Receiver<T>,
     started: Instant,
@@ -42,14 +44,28 @@ impl<T: Send + 'static> Job<T> {
         let progress = Arc::new(Progress::default());
         let (sender, result) = mpsc::sync_channel(1);
         let theirs = Arc::clone(&progress);
-        std::thread::Builder::new().name(name.to_owned()).spawn(move || {
+        let thread = std::thread::Builder::new().name(name.to_owned()).spawn(move || {
             // Wakes also when the work panics: the sender is gone by then, and the window says so.
             let _wake = WakeOnDrop(wake);
             let value = work(&theirs);
             // The receiver is gone when the user cancelled; then nobody wants the value.
             let _ = sender.send(value);
         })?;
-        Ok(Self { progress, result, started: Instant::now() })
+        Ok(Self { thread: Some(thread), progress, result, started: Instant::now() })
+    }
+
+    /// Asks the thread to stop at its next step; [`Job::poll`] tells when it has.
+    pub fn cancel(&self) {
+        self.progress.cancel();
+    }
+
+    /// Asks the thread to stop and waits for it.
+    pub fn stop(mut self) {
+        self.cancel();
+        if let Some(thread) = self.thread.take() {
+            // A panic of the thread was reported on standard error; nobody wants its result.
+            let _ = thread.join();
+        }
     }
 
     /// Looks without waiting.

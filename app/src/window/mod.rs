@@ -21,6 +21,7 @@ pub use camera::Camera;
 pub use command::{Action, Command, Panel, Shortcut, actions};
 pub use overlay::FrameLog;
 pub use state::AppState;
+pub use table::Table;
 pub use theme::Scheme;
 
 use crate::project::Request;

@@ -95,7 +95,7 @@ pub fn show(ui: &mut Ui, place: Rect, state: &AppState, commands: &mut Vec<Comma
 
 fn corner(ui: &Ui, inner: Rect, align: Align2, name: &str, add: impl FnOnce(&mut Ui)) {
     egui::Area::new(egui::Id::unique(("corner", name)))
-        .order(egui::Order::Middle)
+        .order(if name == "notices" { egui::Order::Foreground } else { egui::Order::Middle })
         .constrain_to(inner)
         .pivot(align)
         .fixed_pos(align.pos_in_rect(&inner))

@@ -8,7 +8,7 @@ use super::overlay::FrameLog;
 use super::table::Table;
 use super::theme::Scheme;
 use crate::project::{self, Request, Source};
-
+use crate::report::describe;
 use glam::{UVec2, Vec3};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -292,7 +292,7 @@ impl AppState {
                 Outcome::Done(Err(error)) => {
                     self.loading = None;
                     if !project::is_cancelled(&error) {
-                        self.error = Some(format!("{error:#}"));
+                        self.error = Some(describe(&error));
                     }
                 }
             }
@@ -361,7 +361,7 @@ impl AppState {
         self.error = None;
         self.waiting_schedules.clear();
         self.frames.clear();
-        self.table = Table::default();
+        self.table.reset();
         if same_models {
             self.set_clock(self.clock);
         } else {

@@ -1,0 +1,402 @@
+//! The window, driven as a user drives it: by its buttons, its keys and the mouse.
+//!
+//! Every case opens the real application on a software adapter with a small demo project, finds
+//! widgets by the names that screen readers hear, and looks at what the window then shows.
+#![allow(clippy::unwrap_used)]
+
+use egui::{Key, Modifiers, MouseWheelUnit, Pos2, Rect, Role, TouchPhase};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+use std::path::PathBuf;
+use std::sync::{Arc, OnceLock};
+use std::time::Duration;
+use topout::project::Request;
+use topout::window::{AppState, Command, Panel, Window};
+use topout_render::DrawMode;
+use topout_scene::demo::{DemoSettings, generate};
+use topout_scene::{Progress, Scene, link};
+use topout_schedule::Time;
+
+/// 1,000 elements; made once for all cases of this process.
+fn scene() -> Arc<Scene> {
+    static SCENE: OnceLock<Arc<Scene>> = OnceLock::new();
+    let make = || {
+        let settings =
+            DemoSettings { elements: 1_000, triangles: 46_000, activities: 850, seed: 4 };
+        let (model, schedule) = generate(&settings, &Progress::default()).unwrap();
+        Arc::new(link::link(model, schedule))
+    };
+    Arc::clone(SCENE.get_or_init(make))
+}
+
+/// The window's own device settings, on a software adapter where there is one.
+fn setup() -> egui_wgpu::WgpuSetup {
+    let mut setup = topout::window::wgpu_setup();
+    if let egui_wgpu::WgpuSetup::CreateNew(create) = &mut setup {
+        create.native_adapter_selector = Some(Arc::new(|adapters, _| {
+            let is_cpu = |a: &&egui_wgpu::wgpu::Adapter| {
+                a.get_info().device_type == egui_wgpu::wgpu::DeviceType::Cpu
+            };
+            let chosen = adapters.iter().find(is_cpu).or(adapters.first());
+            chosen.cloned().ok_or_else(|| "no graphics adapter".to_owned())
+        }));
+    }
+    setup
+}
+
+fn empty() -> Harness<'static, Window> {
+    Harness::builder()
+        .with_size([900.0, 600.0])
+        .with_theme(egui::Theme::Dark)
+        .with_render_cursor(false)
+        .wgpu_setup(setup())
+        .build_eframe(|context| Window::new(context, None).unwrap())
+}
+
+/// With the small demo, its tree ready, at the first day of 2027.
+fn open() -> Harness<'static, Window> {
+    let mut harness = empty();
+    harness.state_mut().state_mut().show_scene(Request::demo(), scene());
+    settle(&mut harness);
+    apply(&mut harness, Command::JumpTo(Time::parse_iso("2027-01-01").unwrap()));
+    harness
+}
+
+/// Runs frames until no thread is at work and nothing asks for another frame.
+fn settle(harness: &mut Harness<'_, Window>) {
+    while harness.state().state().is_busy() {
+        harness.step();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    harness.run();
+}
+
+fn apply(harness: &mut Harness<'_, Window>, command: Command) {
+    apply_now(harness, command);
+    settle(harness);
+}
+
+/// For commands that start something: does not wait for it.
+fn apply_now(harness: &mut Harness<'_, Window>, command: Command) {
+    harness.state_mut().state_mut().apply(command);
+}
+
+fn state<'a>(harness: &'a Harness<'_, Window>) -> &'a AppState {
+    harness.state().state()
+}
+
+fn view(harness: &Harness<'_, Window>) -> Rect {
+    harness.get_by_label("3D view").rect()
+}
+
+fn axis(harness: &Harness<'_, Window>) -> Rect {
+    harness.get_by_role(Role::Slider).rect()
+}
+
+/// Presses at the first point, moves through the others, lets go at the last.
+fn drag(harness: &mut Harness<'_, Window>, points: &[Pos2]) {
+    harness.hover_at(points[0]);
+    harness.step();
+    harness.drag_at(points[0]);
+    harness.step();
+    for point in &points[1..] {
+        harness.hover_at(*point);
+        harness.step();
+    }
+    harness.drop_at(*points.last().unwrap());
+    harness.run();
+}
+
+/// The pixels of the 3D view.
+fn picture(harness: &mut Harness<'_, Window>) -> Vec<u8> {
+    let place = view(harness);
+    let image = harness.render().unwrap();
+    let (x, y) = (place.min.x as u32, place.min.y as u32);
+    let (width, height) = (place.width() as u32, place.height() as u32);
+    image::imageops::crop_imm(&image, x, y, width, height).to_image().into_raw()
+}
+
+#[test]
+fn an_empty_window_says_what_to_do() {
+    let mut harness = empty();
+    harness.run();
+    for label in ["Open model…", "Open schedule…", "Open demo project"] {
+        harness.get_by_label(label);
+    }
+    assert!(harness.query_by_label("Play").is_none());
+}
+
+#[test]
+fn play_advances_the_date_until_pause_and_ends_at_the_end() {
+    let mut harness = open();
+    let before = state(&harness).time();
+    harness.get_by_label("Play").click();
+    harness.run_steps(3);
+    let running = state(&harness).time();
+    assert!(running > before, "{running} is not after {before}");
+    harness.get_by_label("Pause").click();
+    harness.run_steps(2);
+    let paused = state(&harness).time();
+    harness.run_steps(3);
+    assert_eq!(state(&harness).time(), paused);
+
+    apply(&mut harness, Command::ToEnd);
+    harness.key_press(Key::Space);
+    harness.step();
+    assert!(state(&harness).playing);
+    assert!(state(&harness).time() < before, "playing at the end starts over");
+    apply_now(&mut harness, Command::SetSpeed(120));
+    let mut steps = 0;
+    while state(&harness).playing {
+        harness.step();
+        steps += 1;
+        assert!(steps < 200, "never ends");
+    }
+    assert_eq!(state(&harness).time(), state(&harness).period().end);
+}
+
+#[test]
+fn dragging_the_timeline_changes_the_date_and_the_picture() {
+    let mut harness = open();
+    let place = axis(&harness);
+    let at = |share: f32| Pos2::new(place.min.x + place.width() * share, place.min.y + 20.0);
+    let share = |harness: &Harness<'_, Window>| {
+        let s = state(harness);
+        s.calendar().unwrap().share(s.time())
+    };
+    // The figures are times, which differ from frame to frame.
+    apply(&mut harness, Command::Toggle(Panel::Figures));
+    drag(&mut harness, &[at(0.9), at(0.4), at(0.25)]);
+    assert!((share(&harness) - 0.25).abs() < 0.01, "{}", share(&harness));
+    let early = picture(&mut harness);
+
+    // Through the whole period and back: the same picture as a jump to that instant.
+    let instant = state(&harness).time();
+    drag(&mut harness, &[at(0.25), at(0.95), at(0.02), at(0.6)]);
+    assert!(picture(&mut harness) != early, "another date looks the same");
+    apply(&mut harness, Command::JumpTo(instant));
+    assert!(picture(&mut harness) == early, "scrubbing and jumping differ");
+
+    // Out of the window: held at the end.
+    drag(&mut harness, &[at(0.5), Pos2::new(3_000.0, at(0.0).y)]);
+    assert_eq!(state(&harness).time(), state(&harness).period().end);
+}
+
+#[test]
+fn keys_step_through_time_and_choose_how_to_draw() {
+    let mut harness = open();
+    let start = state(&harness).time();
+    let days = |harness: &Harness<'_, Window>| {
+        (state(harness).time().seconds() - start.seconds()) as f64 / 86_400.0
+    };
+    for (modifiers, key, expected) in [
+        (Modifiers::NONE, Key::ArrowRight, 1.0),
+        (Modifiers::SHIFT, Key::ArrowRight, 8.0),
+        (Modifiers::NONE, Key::ArrowLeft, 7.0),
+        (Modifiers::SHIFT, Key::ArrowLeft, 0.0),
+    ] {
+        harness.key_press_modifiers(modifiers, key);
+        harness.run();
+        assert_eq!(days(&harness), expected, "{modifiers:?} {key:?}");
+    }
+    harness.key_press(Key::Home);
+    harness.run();
+    assert_eq!(state(&harness).time(), state(&harness).period().start);
+    harness.key_press(Key::B);
+    harness.run();
+    assert_eq!(state(&harness).mode, DrawMode::Batched);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::B);
+    harness.key_press(Key::H);
+    harness.run();
+    assert_eq!(state(&harness).mode, DrawMode::Hdlod);
+}
+
+#[test]
+fn switching_the_mode_changes_the_figures() {
+    let mut harness = open();
+    // From afar, where clusters pay.
+    let camera = state(&harness).camera;
+    let far = camera.zoom(state(&harness).project.as_ref().unwrap().focus.center(), 6.0, 1e5);
+    apply(&mut harness, Command::MoveCamera(far));
+    let figures = |harness: &mut Harness<'_, Window>, button: &str| {
+        harness.get_by_label(button).click();
+        harness.run();
+        *state(harness).frames.last().unwrap()
+    };
+    let objects = figures(&mut harness, "Objects");
+    let batched = figures(&mut harness, "Batched");
+    let hdlod = figures(&mut harness, "HDLOD");
+    assert_eq!((objects.clusters, batched.clusters), (0, 0));
+    assert_eq!(objects.triangles, batched.triangles);
+    assert!(batched.triangles > 0);
+    assert!(hdlod.clusters > 0);
+    assert!(hdlod.triangles < batched.triangles, "{hdlod:?} {batched:?}");
+    assert!(hdlod.worst_px <= state(&harness).tolerance_px);
+    harness.get_by_label_contains("px certified");
+}
+
+#[test]
+fn the_building_is_there_before_its_tree_and_does_not_move_when_it_comes() {
+    let mut harness = empty();
+    harness.state_mut().state_mut().show_scene(Request::demo(), scene());
+    apply_now(&mut harness, Command::CancelHdlod);
+    harness.run();
+    let (camera, time) = (state(&harness).camera, state(&harness).time());
+    let stats = *state(&harness).frames.last().unwrap();
+    assert_eq!(state(&harness).effective_mode(), DrawMode::Batched);
+    assert!(stats.elements > 0 && stats.triangles > 0 && stats.clusters == 0, "{stats:?}");
+
+    harness.get_by_label("Build").click();
+    harness.step();
+    settle(&mut harness);
+    assert_eq!(state(&harness).effective_mode(), DrawMode::Hdlod);
+    assert_eq!((state(&harness).camera, state(&harness).time()), (camera, time));
+    assert!(!state(&harness).frames.is_empty());
+}
+
+#[test]
+fn what_cannot_be_opened_is_named_and_the_project_stays() {
+    let mut harness = open();
+    let folder = tempfile::tempdir().unwrap();
+    let broken = folder.path().join("broken.glb");
+    std::fs::write(&broken, b"glTF but not for long").unwrap();
+    for path in [PathBuf::from("nowhere/tower.glb"), broken, PathBuf::from("notes.txt")] {
+        apply(&mut harness, Command::OpenFiles(vec![path.clone()]));
+        let error = state(&harness).error.clone().unwrap();
+        let name = path.file_name().unwrap().to_str().unwrap();
+        assert!(error.contains(name), "{error} does not name {name}");
+        harness.get_by_label(&error);
+        assert!(state(&harness).project.is_some());
+        harness.get_by_label("Play");
+        harness.get_by_label("Dismiss").click();
+        harness.run();
+        assert_eq!(state(&harness).error, None);
+    }
+}
+
+#[test]
+fn a_schedule_may_come_before_its_model() {
+    let mut harness = empty();
+    apply(&mut harness, Command::OpenFiles(vec![PathBuf::from("plan.json")]));
+    harness.get_by_label_contains("plan.json waits");
+    assert!(state(&harness).project.is_none() && state(&harness).error.is_none());
+}
+
+#[test]
+fn a_click_selects_and_its_dates_lead_through_time() {
+    let mut harness = open();
+    apply(&mut harness, Command::ToEnd);
+    let middle = view(&harness).center();
+    drag(&mut harness, &[middle]);
+    let element = state(&harness).selected.expect("the building stands in the middle");
+    let scene = scene();
+    harness.get_by_label(&scene.model.elements[element.index()].name);
+
+    let first = scene.activities_of(element)[0] as usize;
+    let start = scene.schedule.activities[first].start.unwrap();
+    harness.get_all_by_role(Role::Link).next().unwrap().click();
+    harness.run();
+    assert_eq!(state(&harness).time(), start);
+
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert_eq!(state(&harness).selected, None);
+}
+
+#[test]
+fn the_mouse_turns_moves_and_zooms_about_what_is_under_it() {
+    let mut harness = open();
+    apply(&mut harness, Command::ToEnd);
+    let middle = view(&harness).center();
+    let size = state(&harness).picture;
+    let pixel = |p: Pos2, harness: &Harness<'_, Window>| {
+        let p = p - view(harness).min;
+        glam::Vec2::new(p.x, p.y)
+    };
+    let at = pixel(middle, &harness);
+    let (_, point) = state(&harness).pick(at).unwrap();
+
+    let before = state(&harness).camera;
+    drag(&mut harness, &[middle, middle + egui::vec2(60.0, 25.0)]);
+    let turned = state(&harness).camera;
+    assert_ne!(turned.azimuth, before.azimuth);
+    assert!(turned.elevation > before.elevation, "dragging down looks from higher up");
+    assert!((turned.eye.distance(point) / before.eye.distance(point) - 1.0).abs() < 1e-3);
+    assert!(turned.project(point, size).unwrap().distance(at) < 1.0);
+
+    apply(&mut harness, Command::MoveCamera(before));
+    harness.hover_at(middle);
+    harness.event(egui::Event::MouseWheel {
+        unit: MouseWheelUnit::Line,
+        delta: egui::vec2(0.0, 2.0),
+        phase: TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: Modifiers::NONE,
+    });
+    harness.run();
+    let near = state(&harness).camera;
+    assert!(near.eye.distance(point) < before.eye.distance(point) * 0.8);
+    assert!(near.project(point, size).unwrap().distance(at) < 1.0);
+
+    // A resize does not undo what the user did; after a fit it fits again.
+    harness.set_size(egui::vec2(800.0, 600.0));
+    harness.run();
+    assert_eq!(state(&harness).camera, near);
+    harness.key_press(Key::F);
+    harness.run();
+    assert_ne!(state(&harness).camera, near);
+}
+
+#[test]
+fn panels_fold_to_nothing() {
+    let mut harness = open();
+    let before = view(&harness).area();
+    for panel in [Panel::Inspector, Panel::Timeline, Panel::Figures] {
+        apply(&mut harness, Command::Toggle(panel));
+    }
+    assert!(harness.query_by_role(Role::Slider).is_none());
+    assert!(view(&harness).area() > before * 1.4);
+    assert!(view(&harness).width() >= 899.0);
+}
+
+#[test]
+fn the_table_fills_cell_by_cell_and_can_be_stopped() {
+    let mut harness = open();
+    apply_now(&mut harness, Command::MeasureTable);
+    while state(&harness).table.cells().is_empty() {
+        assert!(state(&harness).table.is_measuring(), "ended without a cell");
+        harness.step();
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    harness.get_by_label("Stop").click();
+    harness.step();
+    settle(&mut harness);
+    harness.get_by_label_contains("Stopped before");
+    assert!(state(&harness).table.cells()[0].triangles > 0);
+    harness.get_by_label("Measure again");
+    harness.get_by_label("Copy").click();
+    harness.step();
+    let copied = harness.output().platform_output.commands.iter().any(|command| {
+        matches!(command, egui::OutputCommand::CopyText(text) if text.starts_with("time\tlod\t"))
+    });
+    assert!(copied, "nothing on the clipboard");
+}
+
+/// What is drawn: menu bar, demo tower on the first day of 2027 seen from the standard corner,
+/// project data on the right, timeline at the bottom. Without the frame figures, which are times.
+/// Half size, so that a hinted glyph does not decide.
+#[test]
+fn the_window_looks_as_it_did() {
+    let mut harness = open();
+    apply(&mut harness, Command::Toggle(Panel::Figures));
+    harness.remove_cursor();
+    settle(&mut harness);
+    let image = harness.render().unwrap();
+    let filter = image::imageops::FilterType::Triangle;
+    let small = image::imageops::resize(&image, 512, 341, filter);
+    let options = egui_kittest::SnapshotOptions::new()
+        .output_path("golden/window")
+        .threshold(2.0)
+        .max_failed_pixels(80);
+    egui_kittest::image_snapshot_options(&small, "demo_2027", &options);
+}
