@@ -94,7 +94,7 @@ pub fn text(path: &Path) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-/// A GLB of unit cubes 2 m apart along X, the first in the middle of `at`.
+/// A GLB of red unit cubes 2 m apart along X, the first in the middle of `at`.
 pub fn cubes(elements: &[&str], at: [f64; 3]) -> Vec<u8> {
     let mut bin = Vec::new();
     for corner in 0..8u8 {
@@ -120,7 +120,8 @@ pub fn cubes(elements: &[&str], at: [f64; 3]) -> Vec<u8> {
         "scene": 0,
         "scenes": [{"nodes": (0..nodes.len()).collect::<Vec<_>>()}],
         "nodes": nodes,
-        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1}]}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "indices": 1, "material": 0}]}],
+        "materials": [{"pbrMetallicRoughness": {"baseColorFactor": [0.9, 0.02, 0.02, 1.0]}}],
         "accessors": [
             {"bufferView": 0, "componentType": 5126, "count": 8, "type": "VEC3",
              "min": [-0.5, -0.5, -0.5], "max": [0.5, 0.5, 0.5]},
