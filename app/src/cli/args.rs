@@ -41,6 +41,8 @@ impl Cli {
 /// The sub-commands.
 #[derive(Subcommand, Debug)]
 pub enum Command {
+    /// Write the demo project as files: demo.glb and demo.json.
+    Demo(Demo),
     /// Say what loads, what is linked and what is wrong.
     Check(Check),
     /// Build the HDLOD tree and say what it is like.
@@ -116,6 +118,34 @@ impl Common {
     pub fn request(&self) -> Request {
         self.reading.request(self.models.clone())
     }
+}
+
+/// `topout demo`
+#[derive(Args, Debug)]
+pub struct Demo {
+    /// Folder to write demo.glb and demo.json to; made if it is missing.
+    #[arg(short, value_name = "DIR")]
+    pub output: PathBuf,
+
+    /// Number of building elements, 1000 to 1000000 [default: 79396].
+    #[arg(long, value_name = "N")]
+    pub elements: Option<usize>,
+
+    /// Number of triangles [default: in proportion to the elements; 3632126 for 79396].
+    #[arg(long, value_name = "N")]
+    pub triangles: Option<usize>,
+
+    /// Number of activities [default: in proportion to the elements; 67099 for 79396].
+    #[arg(long, value_name = "N")]
+    pub activities: Option<usize>,
+
+    /// Another number gives another building of the same kind.
+    #[arg(long, value_name = "S")]
+    pub seed: Option<u64>,
+
+    /// Also write one JSON object to this file; - is standard output.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
 }
 
 /// `topout check`

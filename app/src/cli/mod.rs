@@ -4,6 +4,7 @@ mod args;
 mod bake;
 mod bench;
 mod check;
+mod demo;
 mod render;
 mod stage;
 mod table;
@@ -39,6 +40,7 @@ pub fn run() -> ExitCode {
     let cli = Cli::parse();
     terminal::log_to_stderr();
     let result = match cli.command {
+        Some(Command::Demo(args)) => demo::run(&args),
         Some(Command::Check(args)) => check::run(&args),
         Some(Command::Bake(args)) => bake::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
