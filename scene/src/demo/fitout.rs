@@ -184,11 +184,11 @@ fn partitions(b: &mut Builder, storey: i32, i: i32, j: i32, works: &Works) {
     };
     // On grid lines with a neighbour inside, clear of columns and of the core's own walls.
     let inside = |b: &Builder, i, j| b.design.cell(storey, i, j) && b.design.role(i, j).is_none();
-    if pick % 3 != 0 && inside(b, i + 1, j) {
-        wall(b, placed(vec3(x + BAY * 0.5, y + 0.005, z), 1, Vec3::ONE), pick % 2 == 0);
+    if !pick.is_multiple_of(3) && inside(b, i + 1, j) {
+        wall(b, placed(vec3(x + BAY * 0.5, y + 0.005, z), 1, Vec3::ONE), pick.is_multiple_of(2));
     }
-    if (pick >> 8) % 3 == 0 && inside(b, i, j + 1) {
-        wall(b, at(x, y + 0.005, z + BAY * 0.5), (pick >> 9) % 2 == 0);
+    if (pick >> 8).is_multiple_of(3) && inside(b, i, j + 1) {
+        wall(b, at(x, y + 0.005, z + BAY * 0.5), (pick >> 9).is_multiple_of(2));
     }
 }
 

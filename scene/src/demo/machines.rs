@@ -22,11 +22,16 @@ pub(super) fn leaves(kind: i32, count: usize, m: &mut MeshBuilder) {
     for _ in 0..count {
         let (s, c) = sin_cos(random.unit());
         let y = random.between(-0.85, 1.0);
-        let r = (1.0 - y * y).max(0.04).sqrt() * random.between(0.92, 1.12);
-        let at = vec3(2.25 * r * c, 5.0 + 2.4 * y, 2.25 * r * s);
+        let r = (1.0 - y * y).max(0.04).sqrt() * random.between(0.9, 1.03);
+        let out = vec3(c * r, y, s * r);
+        let at = vec3(0.0, 5.0, 0.0) + out * vec3(2.1, 2.3, 2.1);
         let (s2, c2) = sin_cos(random.unit());
-        let u = vec3(c2, 0.45, s2) * 0.32;
-        let v = vec3(-s2, 0.3, c2) * 0.26;
+        // Leaves lie nearly flat on the crown and face outward, so that they catch the same light.
+        let mut u = vec3(c2, 0.3, s2) * 0.3;
+        let v = vec3(-s2, 0.25, c2) * 0.26;
+        if u.cross(v).dot(out) < 0.0 {
+            u = -u;
+        }
         m.triangle([at - u * 0.5, at + u * 0.5, at + v], paint);
     }
 }

@@ -272,7 +272,7 @@ fn square(b: &mut Builder) {
                 let green = (i + 2 * j) % 5 == 2;
                 let paint = if green {
                     p::GRASS
-                } else if pick % 3 == 0 {
+                } else if pick.is_multiple_of(3) {
                     p::PAVING_DARK
                 } else {
                     p::PAVING

@@ -156,18 +156,6 @@ fn cabins(b: &mut Builder) {
             );
         }
     }
-    let mut crane_pads = |x: f32, z: f32| {
-        let pad = b.unit_box(p::CONCRETE_RAW);
-        b.add(
-            MAST,
-            Zone::Temporary,
-            0,
-            pad,
-            placed(vec3(x, -0.3, z), 0, vec3(6.0, 0.75, 6.0)),
-            &[work],
-        );
-    };
-    crane_pads(plot[0] + 3.5, plot[3] - 5.0);
 }
 
 /// Formwork tables and props under the plates of a storey.
@@ -347,6 +335,9 @@ fn crane(b: &mut Builder, number: i32, foot: Vec3, reach: f32) {
         begin,
         (end.0 + 1500.0, end.1 + 2100.0),
     ));
+    let pad = b.unit_box(p::CONCRETE_LIGHT);
+    let place = placed(vec3(foot.x, -0.3, foot.z), 0, vec3(5.6, 0.72, 5.6));
+    b.add(MAST, Zone::Temporary, 0, pad, place, &[pieces]);
     for s in 0..first {
         b.add(
             MAST,
@@ -586,7 +577,7 @@ fn stock(b: &mut Builder) {
                 + 14.0
                 + (plot[3] - plot[1] - 40.0) * (k / 2) as f32 / (rows / 2 + 1) as f32;
             // Crane masts stand in the middle of both sides.
-            let x = if (-13.0..11.0).contains(&z) { x - 2.5f32.copysign(x) * -1.0 } else { x };
+            let x = if (-13.0..11.0).contains(&z) { x + 2.5f32.copysign(x) } else { x };
             let kind = (k + round) as usize % 4;
             b.add(
                 STOCK,
