@@ -229,7 +229,7 @@ impl Work {
             worst: 0.0,
         };
         for source in &self.sources[sources.start as usize..sources.end as usize] {
-            if !query.piece(source.corners, SUBDIVISIONS) {
+            if !query.reaches_middle(source.corners) || !query.piece(source.corners, SUBDIVISIONS) {
                 return false;
             }
         }
@@ -282,28 +282,37 @@ impl Query<'_> {
         }
     }
 
+    /// Whether anything covers the middle. Most triangles that must stay fail here, at once:
+    /// neighbours touch their corners but do not reach inside.
+    fn reaches_middle(&self, [a, b, c]: [Vec3; 3]) -> bool {
+        let middle = (a + b + c) / 3.0;
+        self.grid.any(middle, self.radius, |i| self.covers(i, middle).is_some())
+    }
+
     fn near(&self, point: Vec3) -> Near {
         let mut near = Near { candidates: [(0, 0.0); Near::KEPT], count: 0, any: false };
-        let radius = self.radius;
-        self.grid.visit(point, radius, |i| {
-            let item = &self.items[i as usize];
-            if item.dead || item.unit == self.own {
-                return;
+        self.grid.any(point, self.radius, |i| {
+            if let Some(distance) = self.covers(i, point) {
+                near.offer(i, distance, self.items[i as usize].locked);
             }
-            let gap = (item.bounds.min - point).max(point - item.bounds.max);
-            if gap.max_element() > radius {
-                return;
-            }
-            let plane = item.normal.dot(point - item.triangle.corners[0]);
-            if plane.abs() > radius {
-                return;
-            }
-            let distance = distance_to_triangle(point, item.triangle.corners);
-            if distance <= radius && (self.may)(&item.triangle) {
-                near.offer(i, distance, item.locked);
-            }
+            false
         });
         near
+    }
+
+    /// The distance of a point to a triangle that may cover it.
+    fn covers(&self, index: u32, point: Vec3) -> Option<f32> {
+        let item = &self.items[index as usize];
+        let gap = (item.bounds.min - point).max(point - item.bounds.max);
+        if gap.max_element() > self.radius || item.dead || item.unit == self.own {
+            return None;
+        }
+        let plane = item.normal.dot(point - item.triangle.corners[0]);
+        if plane.abs() > self.radius {
+            return None;
+        }
+        let distance = distance_to_triangle(point, item.triangle.corners);
+        (distance <= self.radius && (self.may)(&item.triangle)).then_some(distance)
     }
 }
 
@@ -390,17 +399,19 @@ impl Grid {
         }
     }
 
-    fn visit(&self, point: Vec3, radius: f32, mut each: impl FnMut(u32)) {
+    /// Whether `test` holds for any triangle whose box may be within `radius`; stops at the first.
+    fn any(&self, point: Vec3, radius: f32, mut test: impl FnMut(u32) -> bool) -> bool {
         let (from, to) = self.range(point - radius, point + radius);
         for z in from.z..=to.z {
             for y in from.y..=to.y {
                 for x in from.x..=to.x {
-                    for &i in &self.cells[self.slot(x, y, z)] {
-                        each(i);
+                    if self.cells[self.slot(x, y, z)].iter().any(|&i| test(i)) {
+                        return true;
                     }
                 }
             }
         }
+        false
     }
 }
 

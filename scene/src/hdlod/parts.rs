@@ -7,10 +7,10 @@ use glam::{Mat3, Vec3};
 use std::collections::HashMap;
 
 /// Midpoint subdivisions of the rectangle's halves when it is measured against the part.
-const SUBDIVISIONS: u32 = 4;
+const SUBDIVISIONS: u32 = 3;
 
 /// Parts with more triangles than this are not simple enough for a rectangle to be likely.
-const MOST_TRIANGLES: usize = 400;
+const MOST_TRIANGLES: usize = 160;
 
 /// Sorts triangles into parts: connected through equal corners, one behaviour, one material.
 /// Parts in order of their first triangle.
