@@ -1,10 +1,17 @@
 // Everything transparent, over the solid parts: what is behind shines through, the sky is mirrored.
 
-@fragment
-fn glass(v: VertexOut) -> @location(0) vec4<f32> {
-    let view = to_eye(v.from_eye);
-    let normal = facing_normal(v, view);
-    let m = materials[v.material];
+struct GlassOut {
+    @builtin(position) clip: vec4<f32>,
+    // As the display takes it, and how much of what is behind it covers.
+    @location(0) color: vec4<f32>,
+}
+
+@vertex
+fn glass_vertex(in: VertexIn) -> GlassOut {
+    let placed = place(in);
+    let view = placed.to_eye;
+    let normal = placed.normal;
+    let m = materials[in.packed >> 16u];
     let n_eye = clamp(dot(normal, view), 0.0, 1.0);
     let graze = 1.0 - n_eye;
     let graze2 = graze * graze;
@@ -25,5 +32,10 @@ fn glass(v: VertexOut) -> @location(0) vec4<f32> {
     let opacity = mirror + body * (1.0 - mirror);
     let color = (sky(reflect(-view, normal)) * mirror + tint * body * (1.0 - mirror)
         + SUN * glint) / opacity;
-    return vec4<f32>(display(color, length(v.from_eye)), opacity);
+    return GlassOut(placed.clip, vec4<f32>(display(color, length(placed.from_eye)), opacity));
+}
+
+@fragment
+fn glass_fragment(v: GlassOut) -> @location(0) vec4<f32> {
+    return v.color;
 }

@@ -106,9 +106,11 @@ fn farther_away_means_smaller() {
 fn eye_and_target_are_world_coordinates() {
     let folder = Folder::new();
     let place = [183_000.0, 12.0, -431_000.0];
+    // As high above zero, where the ground is.
+    let level = [0.0, place[1], 0.0];
     let model = folder.write("far.glb", cubes(&["slab"], place));
     let look = |model: &str, z: f64, dx: f64| {
-        let [x, y, _] = if z == 0.0 { [0.0; 3] } else { place };
+        let [x, y, _] = if z == 0.0 { level } else { place };
         let options = format!(
             "--at 2026-03-03 --size 160x90 --eye {},{},{} --target {},{y},{z}",
             x + dx,
@@ -118,7 +120,7 @@ fn eye_and_target_are_world_coordinates() {
         );
         render(&folder, &[model.to_owned()], &options).1
     };
-    let near = folder.write("near.glb", cubes(&["slab"], [0.0; 3]));
+    let near = folder.write("near.glb", cubes(&["slab"], level));
     let (far, expected) = (look(&model, place[2], 0.0), look(&near, 0.0, 0.0));
     assert!(red(&expected) > 150, "{}", red(&expected));
     let cube = |picture: &RgbImage| picture.pixels().map(is_red).collect::<Vec<_>>();

@@ -103,4 +103,34 @@ impl FrameUniform {
             padding: [0.0; 2],
         }
     }
+
+    /// Whether the ground's upper side is towards the eye.
+    pub fn sees_ground_from_above(&self) -> bool {
+        if self.parallel > 0.5 { self.forward.y < 0.0 } else { self.eye.y > self.ground }
+    }
+}
+
+/// The part of the picture that a box can cover, with a margin, as x, y, width and height in pixels.
+/// `None` if it covers nothing.
+pub(crate) fn covered_rectangle(frame: &FrameUniform, bounds: &Aabb) -> Option<[u32; 4]> {
+    /// Smoothing looks this far.
+    const MARGIN_PX: f32 = 4.0;
+    if bounds.is_empty() {
+        return None;
+    }
+    let (mut low, mut high) = (Vec2::INFINITY, Vec2::NEG_INFINITY);
+    for corner in bounds.corners() {
+        let clip = frame.clip_from_world * corner.extend(1.0);
+        if clip.w <= frame.near {
+            // Partly behind the eye: it may be anywhere.
+            (low, high) = (Vec2::ZERO, frame.size);
+            break;
+        }
+        let at = (Vec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5) * frame.size;
+        (low, high) = (low.min(at), high.max(at));
+    }
+    let low = (low - MARGIN_PX).floor().clamp(Vec2::ZERO, frame.size).as_uvec2();
+    let high = (high + MARGIN_PX).ceil().clamp(Vec2::ZERO, frame.size).as_uvec2();
+    let extent = high.saturating_sub(low);
+    (extent.x > 0 && extent.y > 0).then_some([low.x, low.y, extent.x, extent.y])
 }

@@ -1,9 +1,9 @@
 //! The renderer: one scene, one picture a frame.
 
 use crate::draw_list::DrawList;
-use crate::frame::{FrameUniform, ground_height};
+use crate::frame::{FrameUniform, covered_rectangle, ground_height};
 use crate::gpu::{Gpu, GpuError};
-use crate::passes::{Glass, Post, SceneBindings, Sky, Solid};
+use crate::passes::{Edges, Glass, Ground, SceneBindings, Sky, Smooth, Solid};
 use crate::pool::{Geometry, INDEX_BYTES, INSTANCE_BYTES, Pool, VERTEX_BYTES};
 use crate::readback::{Picture, texture_bytes};
 use crate::targets::Targets;
@@ -102,7 +102,9 @@ struct Passes {
     solid: Solid,
     glass: Glass,
     sky: Sky,
-    post: Post,
+    ground: Ground,
+    edges: Edges,
+    smooth: Option<Smooth>,
     samples: u32,
 }
 
@@ -113,8 +115,26 @@ impl Passes {
             solid: Solid::new(gpu, bindings, samples),
             glass: Glass::new(gpu, bindings, samples),
             sky: Sky::new(gpu, bindings, samples),
-            post: Post::new(gpu, samples, antialias == Antialias::Smooth),
+            ground: Ground::new(gpu, bindings, samples),
+            edges: Edges::new(gpu, samples),
+            smooth: (antialias == Antialias::Smooth).then(|| Smooth::new(gpu)),
             samples,
+        }
+    }
+}
+
+/// What the passes over the picture read; made anew with the textures.
+#[derive(Debug)]
+struct PictureGroups {
+    edges: wgpu::BindGroup,
+    smooth: Option<wgpu::BindGroup>,
+}
+
+impl PictureGroups {
+    fn new(gpu: &Gpu, passes: &Passes, frame: &wgpu::Buffer, targets: &Targets) -> Self {
+        Self {
+            edges: passes.edges.bind(gpu, frame, &targets.depth.view),
+            smooth: passes.smooth.as_ref().map(|s| s.bind(gpu, frame, &targets.scene.view)),
         }
     }
 }
@@ -139,7 +159,7 @@ pub struct Renderer {
     empty_materials: wgpu::Buffer,
     scene_group: wgpu::BindGroup,
     targets: Targets,
-    post_group: wgpu::BindGroup,
+    groups: PictureGroups,
     commands: wgpu::Buffer,
     command_bytes: Vec<u8>,
     timer: Option<GpuTimer>,
@@ -170,7 +190,7 @@ impl Renderer {
         let commands = small("draw commands", 1 << 16, usage | wgpu::BufferUsages::INDIRECT);
         let scene_group = bindings.bind(gpu, &frame, &empty_materials);
         let targets = Targets::new(gpu, UVec2::ONE, passes.samples);
-        let post_group = passes.post.bind(gpu, &frame, &targets.scene.view, &targets.depth.view);
+        let groups = PictureGroups::new(gpu, &passes, &frame, &targets);
         Self {
             gpu: gpu.clone(),
             options,
@@ -180,7 +200,7 @@ impl Renderer {
             empty_materials,
             scene_group,
             targets,
-            post_group,
+            groups,
             commands,
             command_bytes: Vec::new(),
             timer: GpuTimer::new(gpu),
@@ -276,8 +296,8 @@ impl Renderer {
         stats
     }
 
-    /// What is shown: `Rgba8Unorm` holding sRGB-encoded colour with alpha 1, of the size of the
-    /// last frame's view. A new texture after every change of that size.
+    /// What is shown: `Rgba8Unorm` holding sRGB-encoded colour, opaque (its alpha is at least 254 of
+    /// 255), of the size of the last frame's view. A new texture after every change of that size.
     pub fn color_view(&self) -> &wgpu::TextureView {
         &self.targets.output.view
     }
@@ -316,7 +336,7 @@ impl Renderer {
         let scene = texture_bytes(&self.gpu, &self.targets.scene.texture)?;
         // The scene's alpha is set by what was drawn, before any softening.
         for (shown, drawn) in rgba.chunks_exact_mut(4).zip(scene.chunks_exact(4)) {
-            shown[3] = if drawn[3] > 0 { 255 } else { 0 };
+            shown[3] = if drawn[3] == 255 { 255 } else { 0 };
         }
         let size = self.targets.size;
         Ok(Picture { width: size.x, height: size.y, rgba })
@@ -324,12 +344,7 @@ impl Renderer {
 
     fn new_targets(&mut self, size: UVec2) {
         self.targets = Targets::new(&self.gpu, size, self.passes.samples);
-        self.post_group = self.passes.post.bind(
-            &self.gpu,
-            &self.frame,
-            &self.targets.scene.view,
-            &self.targets.depth.view,
-        );
+        self.groups = PictureGroups::new(&self.gpu, &self.passes, &self.frame, &self.targets);
     }
 
     /// Fills the draw list.
@@ -368,8 +383,21 @@ impl Renderer {
             .gpu
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
-        self.draw_scene(&mut encoder, mode, offsets);
-        self.draw_post(&mut encoder);
+        // Only where the scene can be is there anything to smooth or to line.
+        let finish = (self.list.elements.len() + self.list.clusters.len() > 0
+            && (self.passes.smooth.is_some() || self.options.edges > 0.0))
+            .then(|| covered_rectangle(&uniform, &self.bounds))
+            .flatten();
+        let from_above = uniform.sees_ground_from_above();
+        self.draw_scene(&mut encoder, mode, offsets, from_above, finish.is_none());
+        encoder.copy_texture_to_texture(
+            self.targets.scene.texture.as_image_copy(),
+            self.targets.output.texture.as_image_copy(),
+            self.targets.output.texture.size(),
+        );
+        if let Some(rectangle) = finish {
+            self.draw_finish(&mut encoder, rectangle);
+        }
         if let Some(timer) = &mut self.timer {
             timer.resolve(&mut encoder);
         }
@@ -420,6 +448,8 @@ impl Renderer {
         encoder: &mut wgpu::CommandEncoder,
         mode: DrawMode,
         offsets: Option<CommandOffsets>,
+        ground: bool,
+        last: bool,
     ) {
         let (view, resolve_target) = match &self.targets.many {
             Some(many) => (&many.view, Some(&self.targets.scene.view)),
@@ -446,7 +476,7 @@ impl Renderer {
                 }),
                 stencil_ops: None,
             }),
-            timestamp_writes: self.timer.as_ref().map(GpuTimer::first_pass),
+            timestamp_writes: self.timer.as_ref().and_then(|t| t.stamps(true, last)),
             ..Default::default()
         });
         pass.set_bind_group(0, &self.scene_group, &[]);
@@ -457,6 +487,9 @@ impl Renderer {
             self.draw_layer(&mut pass, pool, mode, elements, clusters, at);
         }
         self.passes.sky.draw(&mut pass);
+        if ground {
+            self.passes.ground.draw(&mut pass);
+        }
         if let Some(pool) = &self.pool {
             pass.set_pipeline(&self.passes.glass.pipeline);
             let at = offsets.map(|o| (o.element_transparent, o.cluster_transparent));
@@ -514,22 +547,33 @@ impl Renderer {
         }
     }
 
-    fn draw_post(&self, encoder: &mut wgpu::CommandEncoder) {
+    /// Smooths and lines a part of the shown picture, given as x, y, width and height.
+    fn draw_finish(&self, encoder: &mut wgpu::CommandEncoder, [x, y, w, h]: [u32; 4]) {
+        let depth = (self.passes.samples == 1).then(|| wgpu::RenderPassDepthStencilAttachment {
+            view: &self.targets.depth.view,
+            // Read only: the edges read it as a texture, too.
+            depth_ops: None,
+            stencil_ops: None,
+        });
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-            label: Some("post"),
+            label: Some("finish"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
                 view: &self.targets.output.view,
                 depth_slice: None,
                 resolve_target: None,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
-                    store: wgpu::StoreOp::Store,
-                },
+                ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
             })],
-            timestamp_writes: self.timer.as_ref().map(GpuTimer::last_pass),
+            depth_stencil_attachment: depth,
+            timestamp_writes: self.timer.as_ref().and_then(|t| t.stamps(false, true)),
             ..Default::default()
         });
-        self.passes.post.draw(&mut pass, &self.post_group);
+        pass.set_scissor_rect(x, y, w, h);
+        if let (Some(smooth), Some(group)) = (&self.passes.smooth, &self.groups.smooth) {
+            smooth.draw(&mut pass, group);
+        }
+        if self.options.edges > 0.0 {
+            self.passes.edges.draw(&mut pass, &self.groups.edges);
+        }
     }
 }
 

@@ -30,6 +30,7 @@ impl Targets {
     pub fn new(gpu: &Gpu, size: UVec2, samples: u32) -> Self {
         let attachment = TextureUsages::RENDER_ATTACHMENT;
         let readable = attachment | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
+        let output = readable | TextureUsages::COPY_DST;
         let target = |label, format, samples, usage| {
             let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
@@ -54,7 +55,7 @@ impl Targets {
             many: (samples > 1).then(|| target("scene samples", SCENE_FORMAT, samples, attachment)),
             scene: target("scene", SCENE_FORMAT, 1, readable),
             depth: target("depth", DEPTH_FORMAT, samples, depth_usage),
-            output: target("output", OUTPUT_FORMAT, 1, readable),
+            output: target("output", OUTPUT_FORMAT, 1, output),
         }
     }
 

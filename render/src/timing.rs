@@ -56,22 +56,13 @@ impl GpuTimer {
         })
     }
 
-    /// The stamp at the beginning of the frame's first pass.
-    pub fn first_pass(&self) -> wgpu::RenderPassTimestampWrites<'_> {
-        wgpu::RenderPassTimestampWrites {
+    /// The stamps of a pass: at its beginning if it is the frame's first, at its end if the last.
+    pub fn stamps(&self, first: bool, last: bool) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        (first || last).then(|| wgpu::RenderPassTimestampWrites {
             query_set: &self.queries,
-            beginning_of_pass_write_index: Some(0),
-            end_of_pass_write_index: None,
-        }
-    }
-
-    /// The stamp at the end of the frame's last pass.
-    pub fn last_pass(&self) -> wgpu::RenderPassTimestampWrites<'_> {
-        wgpu::RenderPassTimestampWrites {
-            query_set: &self.queries,
-            beginning_of_pass_write_index: None,
-            end_of_pass_write_index: Some(1),
-        }
+            beginning_of_pass_write_index: first.then_some(0),
+            end_of_pass_write_index: last.then_some(1),
+        })
     }
 
     /// Copies the stamps at the end of a frame. Skips the frame while an older one is under way.

@@ -6,8 +6,9 @@ mod common;
 
 use common::*;
 use glam::{Affine3A, Quat, Vec3};
+use std::sync::Arc;
 use topout_render::{Antialias, DrawMode, FrameInput, Options};
-use topout_scene::{Projection, View};
+use topout_scene::{Progress, Projection, Scene, View, hdlod};
 use topout_schedule::{Behaviour, Time};
 
 const SIZE: (u32, u32) = (160, 120);
@@ -154,37 +155,84 @@ fn storeys_come_and_go() {
     }
 }
 
-/// Some hundred cubes and panes: one call each gives the picture of one multi-draw, and so does a
-/// second frame, byte for byte.
-#[test]
-fn batched_and_objects_are_identical_and_repeatable() {
-    let mut parts = Vec::new();
-    for i in 0..200u16 {
+/// Two hundred turned cubes and panes in four rows behind each other.
+fn crowd() -> Arc<Scene> {
+    let parts = (0..200u16).map(|i| {
         let (x, y, z) = (f32::from(i % 10), f32::from(i / 10 % 5), f32::from(i / 50));
         let place = at(x * 3.0 - 15.0, y * 3.0 - 6.0, z * -3.0)
             * Affine3A::from_quat(Quat::from_rotation_y(f32::from(i)))
             * Affine3A::from_scale(Vec3::new(1.0, 0.7, 1.2));
-        parts.push(part(cube(i % 4), place));
-    }
+        part(cube(i % 4), place)
+    });
+    scene(parts.collect())
+}
+
+/// The crowd: one call each gives the picture of one multi-draw, and so do a second frame and
+/// another device, byte for byte.
+#[test]
+fn batched_and_objects_are_identical_and_repeatable() {
     let mut r = renderer();
-    r.set_scene(&scene(parts)).unwrap();
+    r.set_scene(&crowd()).unwrap();
     let view = look(Vec3::new(8.0, 6.0, 22.0), Vec3::ZERO, (320, 200));
     let batched = shot(&mut r, view, DrawMode::Batched);
     assert!(covered(&batched) > 8000);
     assert_eq!(batched, shot(&mut r, view, DrawMode::Batched));
     assert_eq!(batched, shot(&mut r, view, DrawMode::Objects));
     let mut other = renderer();
-    let scene_again = (0..200u16).map(|i| {
-        let (x, y, z) = (f32::from(i % 10), f32::from(i / 10 % 5), f32::from(i / 50));
-        part(
-            cube(i % 4),
-            at(x * 3.0 - 15.0, y * 3.0 - 6.0, z * -3.0)
-                * Affine3A::from_quat(Quat::from_rotation_y(f32::from(i)))
-                * Affine3A::from_scale(Vec3::new(1.0, 0.7, 1.2)),
-        )
-    });
-    other.set_scene(&scene(scene_again.collect())).unwrap();
+    other.set_scene(&crowd()).unwrap();
     assert_eq!(batched, shot(&mut other, view, DrawMode::Batched));
+}
+
+/// The crowd on a device without optional features (no indirect instances, no timestamps): the
+/// same picture in every mode, and no time of the GPU.
+#[test]
+fn optional_features_are_optional() {
+    let view = look(Vec3::new(8.0, 6.0, 22.0), Vec3::ZERO, (320, 200));
+    let mut rich = renderer();
+    rich.set_scene(&crowd()).unwrap();
+    let expected = shot(&mut rich, view, DrawMode::Batched);
+    let mut plain = plain_renderer();
+    plain.set_scene(&crowd()).unwrap();
+    for mode in [DrawMode::Batched, DrawMode::Objects, DrawMode::Hdlod] {
+        assert_eq!(expected, shot(&mut plain, view, mode), "{mode:?}");
+    }
+    plain.wait_idle();
+    assert_eq!(plain.gpu_ms(), None);
+}
+
+/// The crowd with its HDLOD. Without tolerance the cut is exact: the picture of the batched way.
+/// From far away it draws fewer triangles, in clusters. Without the tree it is batched again.
+#[test]
+fn hdlod_is_exact_without_tolerance_and_cheaper_from_afar() {
+    let scene = crowd();
+    let tree = hdlod::build(&scene, &hdlod::Settings::default(), &Progress::default()).unwrap();
+    let mut r = renderer();
+    r.set_scene(&scene).unwrap();
+    let bare = r.gpu_bytes();
+    r.set_hdlod(&Arc::new(tree)).unwrap();
+    assert!(r.has_hdlod() && r.gpu_bytes() > bare);
+    let mut view = look(Vec3::new(8.0, 6.0, 22.0), Vec3::ZERO, (320, 200));
+    view.tolerance_px = 0.0;
+    let batched = shot(&mut r, view, DrawMode::Batched);
+    // Glass is blended in another order, which may differ by a rounding.
+    let exact = shot(&mut r, view, DrawMode::Hdlod);
+    let far_apart = |a: &u8, b: &u8| a.abs_diff(*b) > 12;
+    let wrong = batched.rgba.iter().zip(&exact.rgba).filter(|(a, b)| far_apart(a, b)).count();
+    assert!(wrong < batched.rgba.len() / 200, "{wrong}");
+    assert_eq!(covered(&batched), covered(&exact));
+
+    let mut far = look(Vec3::new(800.0, 600.0, 2200.0), Vec3::ZERO, (320, 200));
+    far.tolerance_px = 1.0;
+    let frame = |mode| FrameInput { view: far, time: Time::default(), mode };
+    let coarse = r.render(&frame(DrawMode::Hdlod));
+    let shown = covered(&r.read_back().unwrap());
+    let full = r.render(&frame(DrawMode::Batched));
+    assert!(shown > 0 && coarse.clusters > 0 && coarse.worst_px <= 1.0, "{coarse:?}");
+    assert!(coarse.triangles < full.triangles, "{coarse:?} {full:?}");
+
+    r.clear_hdlod();
+    assert_eq!(r.gpu_bytes(), bare + (320 * 200 - 1) * 12);
+    assert_eq!(shot(&mut r, view, DrawMode::Hdlod), batched);
 }
 
 /// From the middle of a ring of cubes, in many directions and both projections: leaving out what

@@ -1,1 +1,1 @@
-@group(0) @binding(3) var depth: texture_depth_multisampled_2d;
+@group(0) @binding(1) var depth: texture_depth_multisampled_2d;

@@ -20,12 +20,17 @@ struct VertexIn {
     @location(4) row_z: vec4<f32>,
 }
 
-struct VertexOut {
-    @builtin(position) clip: vec4<f32>,
+// A vertex where it stands.
+struct Placed {
+    clip: vec4<f32>,
     // Metres from the eye, in the directions of the world.
-    @location(0) from_eye: vec3<f32>,
-    @location(1) normal: vec3<f32>,
-    @location(2) @interpolate(flat, either) material: u32,
+    from_eye: vec3<f32>,
+    // Unit, on the side that the eye sees.
+    normal: vec3<f32>,
+    // Unit, towards the eye.
+    to_eye: vec3<f32>,
+    // Metres above the ground.
+    height: f32,
 }
 
 fn decode_normal(packed: u32) -> vec3<f32> {
@@ -37,30 +42,24 @@ fn decode_normal(packed: u32) -> vec3<f32> {
     return n;
 }
 
-@vertex
-fn vertex(in: VertexIn) -> VertexOut {
+fn place(in: VertexIn) -> Placed {
     let p = vec4<f32>(in.position, 1.0);
     let world = vec3<f32>(dot(in.row_x, p), dot(in.row_y, p), dot(in.row_z, p));
-    // Normals go by the cofactors: right for any stretching; a mirror's sign is settled later.
+    // Normals go by the cofactors: right for any stretching; a mirror's sign does not matter, since
+    // the normal is turned to the eye anyway.
     let n = decode_normal(in.packed);
     let x = in.row_x.xyz;
     let y = in.row_y.xyz;
     let z = in.row_z.xyz;
-    var out: VertexOut;
+    let crossed = vec3<f32>(dot(cross(y, z), n), dot(cross(z, x), n), dot(cross(x, y), n));
+    let normal = crossed * inverseSqrt(max(dot(crossed, crossed), 1e-30));
+    var out: Placed;
     out.clip = frame.clip_from_world * vec4<f32>(world, 1.0);
     out.from_eye = world - frame.eye;
-    out.normal = vec3<f32>(dot(cross(y, z), n), dot(cross(z, x), n), dot(cross(x, y), n));
-    out.material = in.packed >> 16u;
+    let parallel = frame.parallel > 0.5;
+    let distance2 = max(dot(out.from_eye, out.from_eye), 1e-12);
+    out.to_eye = select(-out.from_eye * inverseSqrt(distance2), -frame.forward, parallel);
+    out.normal = select(normal, -normal, dot(normal, out.to_eye) < 0.0);
+    out.height = world.y - frame.ground;
     return out;
-}
-
-fn to_eye(from_eye: vec3<f32>) -> vec3<f32> {
-    return select(-normalize(from_eye), -frame.forward, frame.parallel > 0.5);
-}
-
-// The interpolated normal, on that side of the actual triangle which the eye sees.
-fn facing_normal(v: VertexOut, view: vec3<f32>) -> vec3<f32> {
-    let face = cross(dpdx(v.from_eye), dpdy(v.from_eye));
-    let same_side = dot(face, view) * dot(face, v.normal);
-    return normalize(select(v.normal, -v.normal, same_side < 0.0));
 }

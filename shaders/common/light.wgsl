@@ -1,4 +1,8 @@
-// Sky, sun, haze and the way to the display, shared by everything that has a colour.
+// Sky, sun, haze and the way to the display, shared by everything that is lit.
+//
+// Light is computed at the vertices. In software a fragment shader runs for whole blocks of pixels,
+// and a construction model's triangles are mostly smaller than a block: light per pixel would cost
+// several times as much, and on even faces it looks the same.
 
 const SUN: vec3<f32> = vec3<f32>(2.35, 2.08, 1.72);
 const ZENITH: vec3<f32> = vec3<f32>(0.26, 0.46, 0.76);
@@ -8,10 +12,9 @@ const EARTH: vec3<f32> = vec3<f32>(0.46, 0.44, 0.41);
 const AMBIENT_ABOVE: vec3<f32> = vec3<f32>(0.60, 0.72, 0.92);
 const AMBIENT_BELOW: vec3<f32> = vec3<f32>(0.36, 0.33, 0.30);
 
-// What is seen far away in a unit direction.
+// What is mirrored from a unit direction.
 fn sky(direction: vec3<f32>) -> vec3<f32> {
-    let up = clamp(direction.y, 0.0, 1.0);
-    let low = 1.0 - up;
+    let low = 1.0 - clamp(direction.y, 0.0, 1.0);
     let above = mix(ZENITH, HORIZON, low * low * low);
     return mix(above, EARTH, clamp(direction.y * -6.0, 0.0, 1.0));
 }

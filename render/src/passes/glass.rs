@@ -16,8 +16,8 @@ pub(crate) struct Glass {
     pub pipeline: wgpu::RenderPipeline,
 }
 
-/// Colour by the shader's opacity, which also adds to the picture's alpha: above 0 wherever glass
-/// is, also over the sky, since an element is shown there.
+/// Colour by the shader's opacity, which also adds to the picture's alpha: that of the sky, one step
+/// below 1, becomes 1 wherever glass is, since an element is shown there.
 const BLEND: wgpu::BlendState = wgpu::BlendState {
     color: wgpu::BlendComponent {
         src_factor: wgpu::BlendFactor::SrcAlpha,
@@ -36,9 +36,10 @@ impl Glass {
         let pipeline = ScenePipeline {
             label: "glass",
             shader: SHADER,
-            vertex: "vertex",
-            fragment: "glass",
+            vertex: "glass_vertex",
+            fragment: "glass_fragment",
             from_pool: true,
+            topology: wgpu::PrimitiveTopology::TriangleList,
             blend: Some(BLEND),
             write_depth: false,
             compare: wgpu::CompareFunction::Greater,

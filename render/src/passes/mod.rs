@@ -1,34 +1,41 @@
 //! One pass, one struct, one file, one shader.
 
+mod edges;
 mod glass;
-mod post;
+mod ground;
 mod sky;
+mod smooth;
 mod solid;
 
+pub(crate) use edges::Edges;
 pub(crate) use glass::Glass;
-pub(crate) use post::Post;
+pub(crate) use ground::Ground;
 pub(crate) use sky::Sky;
+pub(crate) use smooth::Smooth;
 pub(crate) use solid::Solid;
 
 use crate::gpu::Gpu;
 use crate::pool::{INSTANCE_BYTES, VERTEX_BYTES};
 use std::borrow::Cow;
 
-/// What the scene is drawn into: gamma-encoded colour, 1 in alpha where an element is.
+/// What the scene is drawn into: gamma-encoded colour; alpha is 255 of 255 where an element is, 254
+/// where none is.
 pub(crate) const SCENE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Reversed: 1 near, 0 infinitely far.
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// What is shown: gamma-encoded colour, alpha 1.
-pub(crate) const OUTPUT_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+/// What is shown; the same as what the scene is drawn into, since that is copied into it.
+pub(crate) const OUTPUT_FORMAT: wgpu::TextureFormat = SCENE_FORMAT;
 
 /// The text of every shader as it is compiled, with its name. The tests validate each.
 #[cfg(test)]
-pub(crate) const SHADERS: [(&str, &str); 5] = [
+pub(crate) const SHADERS: [(&str, &str); 7] = [
     ("solid", solid::SHADER),
     ("glass", glass::SHADER),
     ("sky", sky::SHADER),
-    ("post, one sample", post::SHADER_ONE),
-    ("post, many samples", post::SHADER_MANY),
+    ("ground", ground::SHADER),
+    ("smooth", smooth::SHADER),
+    ("edges, one sample", edges::SHADER_ONE),
+    ("edges, many samples", edges::SHADER_MANY),
 ];
 
 pub(crate) fn module(gpu: &Gpu, label: &str, text: &'static str) -> wgpu::ShaderModule {
@@ -38,7 +45,7 @@ pub(crate) fn module(gpu: &Gpu, label: &str, text: &'static str) -> wgpu::Shader
     })
 }
 
-/// The bind group that solid, glass and sky share: the frame and the materials.
+/// The bind group that solid, glass, sky and ground share: the frame and the materials.
 #[derive(Debug)]
 pub(crate) struct SceneBindings {
     pub layout: wgpu::BindGroupLayout,
@@ -57,7 +64,7 @@ impl SceneBindings {
                 ),
                 buffer_entry(
                     1,
-                    wgpu::ShaderStages::FRAGMENT,
+                    wgpu::ShaderStages::VERTEX,
                     wgpu::BufferBindingType::Storage { read_only: true },
                 ),
             ],
@@ -100,6 +107,23 @@ pub(crate) fn buffer_entry(
     }
 }
 
+pub(crate) fn texture_entry(
+    binding: u32,
+    sample_type: wgpu::TextureSampleType,
+    multisampled: bool,
+) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type,
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled,
+        },
+        count: None,
+    }
+}
+
 const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 2] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32];
 const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
@@ -128,6 +152,7 @@ struct ScenePipeline<'a> {
     vertex: &'a str,
     fragment: &'a str,
     from_pool: bool,
+    topology: wgpu::PrimitiveTopology,
     blend: Option<wgpu::BlendState>,
     write_depth: bool,
     compare: wgpu::CompareFunction,
@@ -146,7 +171,7 @@ impl ScenePipeline<'_> {
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 buffers: if self.from_pool { &pool } else { &[] },
             },
-            primitive: wgpu::PrimitiveState::default(),
+            primitive: wgpu::PrimitiveState { topology: self.topology, ..Default::default() },
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: DEPTH_FORMAT,
                 depth_write_enabled: Some(self.write_depth),
@@ -161,6 +186,58 @@ impl ScenePipeline<'_> {
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 targets: &[Some(wgpu::ColorTargetState {
                     format: SCENE_FORMAT,
+                    blend: self.blend,
+                    write_mask: wgpu::ColorWrites::ALL,
+                })],
+            }),
+            multiview_mask: None,
+            cache: None,
+        })
+    }
+}
+
+/// How a pass over the shown picture differs from the others.
+struct ScreenPipeline<'a> {
+    label: &'a str,
+    shader: &'static str,
+    fragment: &'a str,
+    blend: Option<wgpu::BlendState>,
+    /// Test against the scene's depth of a triangle at infinite depth; `None` without attachment.
+    depth: Option<wgpu::CompareFunction>,
+}
+
+impl ScreenPipeline<'_> {
+    fn build(&self, gpu: &Gpu, layout: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
+        let module = module(gpu, self.label, self.shader);
+        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(self.label),
+            bind_group_layouts: &[Some(layout)],
+            immediate_size: 0,
+        });
+        gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(self.label),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &module,
+                entry_point: Some("screen_vertex"),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                buffers: &[],
+            },
+            primitive: wgpu::PrimitiveState::default(),
+            depth_stencil: self.depth.map(|compare| wgpu::DepthStencilState {
+                format: DEPTH_FORMAT,
+                depth_write_enabled: Some(false),
+                depth_compare: Some(compare),
+                stencil: wgpu::StencilState::default(),
+                bias: wgpu::DepthBiasState::default(),
+            }),
+            multisample: wgpu::MultisampleState::default(),
+            fragment: Some(wgpu::FragmentState {
+                module: &module,
+                entry_point: Some(self.fragment),
+                compilation_options: wgpu::PipelineCompilationOptions::default(),
+                targets: &[Some(wgpu::ColorTargetState {
+                    format: OUTPUT_FORMAT,
                     blend: self.blend,
                     write_mask: wgpu::ColorWrites::ALL,
                 })],

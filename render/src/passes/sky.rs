@@ -1,11 +1,11 @@
-//! Sky and ground where nothing solid is.
+//! The sky where nothing solid is.
 
 use super::{SceneBindings, ScenePipeline};
 use crate::gpu::Gpu;
 
 pub(super) const SHADER: &str = concat!(
     include_str!("../../../shaders/common/frame.wgsl"),
-    include_str!("../../../shaders/common/light.wgsl"),
+    include_str!("../../../shaders/common/background.wgsl"),
     include_str!("../../../shaders/sky.wgsl"),
 );
 
@@ -23,6 +23,7 @@ impl Sky {
             vertex: "sky_vertex",
             fragment: "sky_fragment",
             from_pool: false,
+            topology: wgpu::PrimitiveTopology::TriangleList,
             blend: None,
             write_depth: false,
             compare: wgpu::CompareFunction::GreaterEqual,

@@ -21,9 +21,10 @@ impl Solid {
         let pipeline = ScenePipeline {
             label: "solid",
             shader: SHADER,
-            vertex: "vertex",
-            fragment: "solid",
+            vertex: "solid_vertex",
+            fragment: "solid_fragment",
             from_pool: true,
+            topology: wgpu::PrimitiveTopology::TriangleList,
             blend: None,
             write_depth: true,
             compare: wgpu::CompareFunction::Greater,

@@ -132,3 +132,16 @@ pub fn shows(picture: &Picture, x: u32, y: u32, channel: usize) -> bool {
     let p = picture.pixel(x, y);
     p[3] == 255 && (0..3).all(|c| c == channel || p[channel] > p[c].saturating_add(30))
 }
+
+/// A renderer on a device without any optional feature, as the poorest adapter would give.
+pub fn plain_renderer() -> Renderer {
+    let instance = wgpu::Instance::new(topout_render::instance_descriptor());
+    let options = wgpu::RequestAdapterOptions::default();
+    let adapter = pollster::block_on(instance.request_adapter(&options)).unwrap();
+    let descriptor = wgpu::DeviceDescriptor {
+        required_features: wgpu::Features::empty(),
+        ..topout_render::device_descriptor(&adapter)
+    };
+    let (device, queue) = pollster::block_on(adapter.request_device(&descriptor)).unwrap();
+    Renderer::new(&Gpu::from_parts(device, queue, adapter.get_info()))
+}

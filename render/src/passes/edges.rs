@@ -1,0 +1,87 @@
+//! Thin lines on folds and outlines.
+
+use super::{ScreenPipeline, buffer_entry, texture_entry};
+use crate::gpu::Gpu;
+
+pub(super) const SHADER_ONE: &str = concat!(
+    include_str!("../../../shaders/common/frame.wgsl"),
+    include_str!("../../../shaders/common/depth_one.wgsl"),
+    include_str!("../../../shaders/common/screen.wgsl"),
+    include_str!("../../../shaders/edges.wgsl"),
+);
+pub(super) const SHADER_MANY: &str = concat!(
+    include_str!("../../../shaders/common/frame.wgsl"),
+    include_str!("../../../shaders/common/depth_many.wgsl"),
+    include_str!("../../../shaders/common/screen.wgsl"),
+    include_str!("../../../shaders/edges.wgsl"),
+);
+
+/// One triangle over the picture that darkens it.
+#[derive(Debug)]
+pub(crate) struct Edges {
+    layout: wgpu::BindGroupLayout,
+    pipeline: wgpu::RenderPipeline,
+}
+
+/// The picture times the shader's factor; its alpha stays.
+const BLEND: wgpu::BlendState = wgpu::BlendState {
+    color: wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::Dst,
+        dst_factor: wgpu::BlendFactor::Zero,
+        operation: wgpu::BlendOperation::Add,
+    },
+    alpha: wgpu::BlendComponent {
+        src_factor: wgpu::BlendFactor::Zero,
+        dst_factor: wgpu::BlendFactor::One,
+        operation: wgpu::BlendOperation::Add,
+    },
+};
+
+impl Edges {
+    /// `samples` of the depth. With one, the depth test leaves out all pixels without anything
+    /// solid; with more, depth and shown picture cannot be attached together.
+    pub fn new(gpu: &Gpu, samples: u32) -> Self {
+        let fragment = wgpu::ShaderStages::FRAGMENT;
+        let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("edges"),
+            entries: &[
+                buffer_entry(0, fragment, wgpu::BufferBindingType::Uniform),
+                texture_entry(1, wgpu::TextureSampleType::Depth, samples > 1),
+            ],
+        });
+        let pipeline = ScreenPipeline {
+            label: "edges",
+            shader: if samples > 1 { SHADER_MANY } else { SHADER_ONE },
+            fragment: "edges_fragment",
+            blend: Some(BLEND),
+            depth: (samples == 1).then_some(wgpu::CompareFunction::Less),
+        }
+        .build(gpu, &layout);
+        Self { layout, pipeline }
+    }
+
+    pub fn bind(
+        &self,
+        gpu: &Gpu,
+        frame: &wgpu::Buffer,
+        depth: &wgpu::TextureView,
+    ) -> wgpu::BindGroup {
+        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("edges"),
+            layout: &self.layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: frame.as_entire_binding() },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: wgpu::BindingResource::TextureView(depth),
+                },
+            ],
+        })
+    }
+
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, bindings: &wgpu::BindGroup) {
+        pass.set_pipeline(&self.pipeline);
+        pass.set_bind_group(0, bindings, &[]);
+        pass.draw(0..3, 0..1);
+    }
+}

@@ -1,0 +1,39 @@
+//! The ground with its grid where nothing solid is.
+
+use super::{SceneBindings, ScenePipeline};
+use crate::gpu::Gpu;
+
+pub(super) const SHADER: &str = concat!(
+    include_str!("../../../shaders/common/frame.wgsl"),
+    include_str!("../../../shaders/common/background.wgsl"),
+    include_str!("../../../shaders/ground.wgsl"),
+);
+
+/// One square around the scene at infinite depth, over the sky.
+#[derive(Debug)]
+pub(crate) struct Ground {
+    pipeline: wgpu::RenderPipeline,
+}
+
+impl Ground {
+    pub fn new(gpu: &Gpu, bindings: &SceneBindings, samples: u32) -> Self {
+        let pipeline = ScenePipeline {
+            label: "ground",
+            shader: SHADER,
+            vertex: "ground_vertex",
+            fragment: "ground_fragment",
+            from_pool: false,
+            topology: wgpu::PrimitiveTopology::TriangleStrip,
+            blend: None,
+            write_depth: false,
+            compare: wgpu::CompareFunction::GreaterEqual,
+        }
+        .build(gpu, bindings, samples);
+        Self { pipeline }
+    }
+
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>) {
+        pass.set_pipeline(&self.pipeline);
+        pass.draw(0..4, 0..1);
+    }
+}
