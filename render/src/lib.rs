@@ -7,6 +7,7 @@
 mod draw_list;
 mod frame;
 mod gpu;
+mod input;
 mod passes;
 mod pool;
 mod readback;
@@ -15,8 +16,9 @@ mod targets;
 mod timing;
 
 pub use gpu::{Gpu, GpuError, device_descriptor, instance_descriptor};
+pub use input::{Antialias, DrawMode, FrameInput, FrameStats, Options};
 pub use readback::Picture;
-pub use renderer::{Antialias, DrawMode, FrameInput, FrameStats, Options, Renderer};
+pub use renderer::Renderer;
 
 #[cfg(test)]
 mod tests;

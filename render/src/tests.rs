@@ -195,3 +195,42 @@ fn ground_is_zero_or_the_foot() {
     assert_eq!(ground_height(&bounds(-9.0, -1.0), 0.0), -9.0);
     assert_eq!(ground_height(&Aabb::EMPTY, 7.0), 0.0);
 }
+
+/// Every point of a box that is inside the frame lies in the rectangle that is finished, from far
+/// away, close up, from within, and with parallel rays; from far away the rectangle is small.
+#[test]
+fn finished_rectangle_covers_the_box() {
+    use crate::frame::covered_rectangle;
+    use glam::{UVec2, Vec3};
+    use topout_scene::{Aabb, Projection, View};
+    let bounds = Aabb { min: Vec3::new(-3.0, -1.0, -2.0), max: Vec3::new(3.0, 9.0, 4.0) };
+    let size = UVec2::new(320, 200);
+    let mut views: Vec<View> = [(0.2, 10.0), (1.0, 20.0), (1.0, -70.0), (6.0, 45.0)]
+        .map(|(factor, elevation)| View::fit(&bounds, 33.0, elevation, factor, size))
+        .to_vec();
+    let mut parallel = views[1];
+    parallel.projection = Projection::Orthographic { height: 40.0 };
+    views.push(parallel);
+    let mut inside = 0;
+    for view in &views {
+        let frame = FrameUniform::new(view, &bounds, 0.0, 0.0);
+        let [x, y, w, h] = covered_rectangle(&frame, &bounds).unwrap();
+        for i in 0..1000 {
+            let share = Vec3::new((i % 10) as f32, (i / 10 % 10) as f32, (i / 100) as f32) / 9.0;
+            let clip = frame.clip_from_world * (bounds.min + bounds.size() * share).extend(1.0);
+            let p = glam::Vec2::new(clip.x, -clip.y) / clip.w;
+            if clip.w <= 0.0 || p.abs().max_element() >= 1.0 {
+                continue;
+            }
+            let at = (p * 0.5 + 0.5) * size.as_vec2();
+            inside += 1;
+            assert!(at.x >= x as f32 && at.x <= (x + w) as f32, "{at} {x} {w} {view:?}");
+            assert!(at.y >= y as f32 && at.y <= (y + h) as f32, "{at} {y} {h} {view:?}");
+        }
+    }
+    assert!(inside > 3000, "{inside}");
+    let far = FrameUniform::new(&views[3], &bounds, 0.0, 0.0);
+    let [_, _, w, h] = covered_rectangle(&far, &bounds).unwrap();
+    assert!(w < 90 && h < 70, "{w} {h}");
+    assert_eq!(covered_rectangle(&far, &Aabb::EMPTY), None);
+}

@@ -1,0 +1,86 @@
+//! What a renderer is told, and what it answers.
+
+use crate::gpu::Gpu;
+use topout_scene::View;
+use topout_schedule::Time;
+
+/// How the picture is made of the scene.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum DrawMode {
+    /// The cut of the HDLOD; [`DrawMode::Batched`] as long as there is none.
+    #[default]
+    Hdlod,
+    /// Every present element inside the frame at full detail, one indirect multi-draw a layer:
+    /// what a good engineer would do without HDLOD (R12).
+    Batched,
+    /// Every present element inside the frame with draw calls and state of its own: the paper's
+    /// baseline (R12).
+    Objects,
+}
+
+/// How edges are kept from looking like stairs.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Antialias {
+    /// Not at all.
+    Off,
+    /// By a blend along edges in the last pass; cheap also in software.
+    Smooth,
+    /// By four samples a pixel; a factor 2 to 3 in software.
+    Msaa4,
+}
+
+/// Settings that seldom change.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct Options {
+    /// Chosen by the kind of adapter unless overridden.
+    pub antialias: Antialias,
+    /// Strength of the thin edge lines in [0, 1]; 0 for none.
+    pub edges: f32,
+    /// Whether elements outside the frame are left out by the CPU. Off only to test that it makes
+    /// no difference.
+    pub culling: bool,
+}
+
+impl Options {
+    /// What suits the adapter.
+    pub fn for_gpu(gpu: &Gpu) -> Self {
+        let antialias = if gpu.is_software() { Antialias::Smooth } else { Antialias::Msaa4 };
+        Self { antialias, edges: 0.35, culling: true }
+    }
+}
+
+/// What to show.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct FrameInput {
+    /// Camera, size of the picture and tolerance.
+    pub view: View,
+    /// The instant that is shown.
+    pub time: Time,
+    /// How.
+    pub mode: DrawMode,
+}
+
+/// What a frame cost and drew.
+#[derive(Clone, Copy, PartialEq, Debug, Default)]
+pub struct FrameStats {
+    /// Milliseconds of choosing what to draw: selection, presence and culling.
+    pub select_ms: f64,
+    /// Milliseconds of writing and encoding commands, on the CPU.
+    pub cpu_ms: f64,
+    /// Milliseconds on the GPU of the latest frame known; `None` without timestamps, and before
+    /// the first frame has come back. [`crate::Renderer::gpu_ms`] after [`crate::Renderer::wait_idle`] is that
+    /// of the last frame.
+    pub gpu_ms: Option<f64>,
+    /// Draw commands, those of one multi-draw counted each.
+    pub draws: u64,
+    /// Triangles of all commands.
+    pub triangles: u64,
+    /// Clusters drawn.
+    pub clusters: u32,
+    /// Elements drawn exactly.
+    pub elements: u32,
+    /// Nodes looked at in the selection; elements looked at in the other modes.
+    pub visited: u32,
+    /// Largest certified error of a drawn cluster, physical pixels.
+    pub worst_px: f32,
+}
