@@ -10,6 +10,9 @@ pub struct Difference {
     pub mean: f32,
     /// Mean FLIP of the pixels that show an element in either picture; 0 where none does.
     pub elements: f32,
+    /// The largest mean FLIP of any tile of [`Difference::TILE`] x [`Difference::TILE`] pixels: it
+    /// sees what is wrong at one place alone.
+    pub worst_tile: f32,
     /// Relative change of the number of pixels that show an element: -0.1 means a tenth fewer.
     /// 0 where the reference shows none and the other none either; 1 where only the other does.
     pub coverage_change: f32,
@@ -20,6 +23,9 @@ impl Difference {
     /// authors give no such figure; this one lies between what a pixel of tolerance does to the
     /// demo project and what leaving out its elements does (see the tests).
     pub const VISIBLE: f32 = 0.2;
+
+    /// Edge of the tiles in pixels. They overlap by half.
+    pub const TILE: u32 = 16;
 
     /// Compares at 67 pixels per degree: a 0.7 m wide 4K screen seen from 0.7 m.
     ///
@@ -52,19 +58,37 @@ impl Difference {
         Ok(Self {
             mean: (sums[0] / map.len().max(1) as f64) as f32,
             elements: (sums[1] / shown[0].max(1) as f64) as f32,
+            worst_tile: worst_tile(&map, size.0 as usize, Self::TILE as usize),
             coverage_change: relative_change(shown[1], shown[2]),
         })
     }
 
-    /// The mean of several comparisons; no difference for none.
+    /// The mean of several comparisons, and the worst tile of all; no difference for none.
     pub fn mean_of(all: &[Self]) -> Self {
         let n = all.len().max(1) as f32;
         Self {
             mean: all.iter().map(|d| d.mean).sum::<f32>() / n,
             elements: all.iter().map(|d| d.elements).sum::<f32>() / n,
+            worst_tile: all.iter().map(|d| d.worst_tile).fold(0.0, f32::max),
             coverage_change: all.iter().map(|d| d.coverage_change).sum::<f32>() / n,
         }
     }
+}
+
+/// Tiles that would stick out at the right or below are left out: their pixels lie in the tile
+/// before, but for those of a rest smaller than half a tile.
+fn worst_tile(map: &[f32], width: usize, tile: usize) -> f32 {
+    let height = map.len() / width.max(1);
+    let (tile_w, tile_h) = (tile.min(width), tile.min(height));
+    let mut worst = 0.0f32;
+    for top in (0..=height - tile_h).step_by(tile / 2) {
+        for left in (0..=width - tile_w).step_by(tile / 2) {
+            let rows = (top..top + tile_h).map(|y| &map[y * width + left..][..tile_w]);
+            let sum: f32 = rows.map(|row| row.iter().sum::<f32>()).sum();
+            worst = worst.max(sum / (tile_w * tile_h).max(1) as f32);
+        }
+    }
+    worst
 }
 
 fn relative_change(from: u64, to: u64) -> f32 {
@@ -119,6 +143,19 @@ mod tests {
         );
         assert!(small.elements > Difference::VISIBLE, "{small:?}");
         assert!(small.mean < 0.25 * large.mean, "{small:?} {large:?}");
+    }
+
+    #[test]
+    fn what_is_wrong_at_one_place_alone_shows_in_its_tile() {
+        let (whole, mut spoilt) = (block(60), block(60));
+        for y in 20..26 {
+            for x in 20..26 {
+                spoilt.rgba[(y * 64 + x) * 4..][..3].copy_from_slice(&[255, 0, 0]);
+            }
+        }
+        let d = Difference::between(&whole, &spoilt).unwrap();
+        assert!(d.elements < 0.02, "{d:?}");
+        assert!(d.worst_tile > 5.0 * d.elements, "{d:?}");
     }
 
     #[test]

@@ -5,18 +5,19 @@ use std::path::{Path, PathBuf};
 use topout::flip::Difference;
 use topout_render::Picture;
 
-/// Largest mean FLIP of a whole picture that still matches.
-///
-/// Other adapters round and smooth edges in other ways, and so does another Mesa; a storey that is
-/// missing, or shows when it should not, lies above (the tests measure it).
-pub const MAX_MEAN: f32 = 0.01;
-
 /// Largest mean FLIP over the pixels that show an element in either picture that still matches.
-pub const MAX_ELEMENTS: f32 = 0.05;
+pub const MAX_ELEMENTS: f32 = 0.02;
+
+/// Largest mean FLIP of a tile that still matches.
+///
+/// One adapter gives the same picture again, byte for byte; this leaves room for another Mesa. In
+/// pictures of 480 x 270 a missing storey, of fifty, changes a tile by 0.17 from the fitting
+/// distance, by 0.09 from twice and by 0.034 from four times as far, where it is a pixel high.
+pub const MAX_TILE: f32 = 0.025;
 
 /// Whether a difference is small enough to be the same picture from another adapter.
 pub fn matches(difference: &Difference) -> bool {
-    difference.mean <= MAX_MEAN && difference.elements <= MAX_ELEMENTS
+    difference.elements <= MAX_ELEMENTS && difference.worst_tile <= MAX_TILE
 }
 
 fn root() -> &'static Path {
@@ -49,10 +50,10 @@ pub fn check(name: &str, picture: &Picture) -> Result<(), String> {
     let actual = actual_path(name);
     save(&actual, picture)?;
     Err(format!(
-        "{name}: FLIP {:.4} (at most {MAX_MEAN}), over the elements {:.4} (at most \
-         {MAX_ELEMENTS}); compare {} with {}, and set UPDATE_GOLDEN=1 if the new one is right",
-        difference.mean,
+        "{name}: FLIP over the elements {:.4} (at most {MAX_ELEMENTS}), in the worst tile {:.4} \
+         (at most {MAX_TILE}); compare {} with {}, and set UPDATE_GOLDEN=1 if the new one is right",
         difference.elements,
+        difference.worst_tile,
         actual.display(),
         path.display()
     ))

@@ -8,7 +8,7 @@ pub mod golden;
 use glam::UVec2;
 use std::sync::Arc;
 use topout::project::{self, Request};
-use topout_render::{DrawMode, FrameInput, Gpu, Picture, Renderer};
+use topout_render::{Antialias, DrawMode, FrameInput, Gpu, Options, Picture, Renderer};
 use topout_scene::{NamedView, Progress, Scene, View, hdlod};
 use topout_schedule::Time;
 
@@ -37,6 +37,9 @@ impl Stage {
     pub fn new(scene: Arc<Scene>) -> Self {
         let gpu = Gpu::headless().expect("these tests need a graphics adapter");
         let mut renderer = Renderer::new(&gpu);
+        // The same on every adapter, so that pictures can be compared.
+        let options = Options { antialias: Antialias::Smooth, ..renderer.options() };
+        renderer.set_options(options);
         renderer.set_scene(&scene).expect("the scene fits on the adapter");
         Self { renderer, scene }
     }

@@ -146,7 +146,8 @@ fn a_cell_says_in_json_what_the_contract_lists() {
     m.samples = [3.0, 1.0, 2.0]
         .map(|ms| (ms, FrameStats { draws: 4, triangles: 50, worst_px: 0.5, ..Default::default() }))
         .to_vec();
-    m.compared = vec![Difference { mean: 0.1, elements: 0.25, coverage_change: -0.125 }];
+    m.compared =
+        vec![Difference { mean: 0.1, elements: 0.25, worst_tile: 0.5, coverage_change: -0.125 }];
     let json = serde_json::to_value(m.finish().unwrap()).unwrap();
     for (name, expected) in [
         ("time", serde_json::json!("1/3")),
