@@ -19,10 +19,11 @@ pub struct Difference {
 }
 
 impl Difference {
-    /// From here on, of [`Difference::elements`], a person sees two pictures side by side as different. FLIP's
-    /// authors give no such figure; this one lies between what a pixel of tolerance does to the
-    /// demo project and what leaving out its elements does (see the tests).
-    pub const VISIBLE: f32 = 0.2;
+    /// From here on, of [`Difference::elements`], HDLOD shows another picture than full detail.
+    ///
+    /// Measured by `bench demo` at 1280 x 720 and a tolerance of one pixel: 0.10 to 0.17, the more
+    /// the farther away. Leaving out every element gives 0.56 to 0.61 (`tests/golden_demo.rs`).
+    pub const ANOTHER_PICTURE: f32 = 0.25;
 
     /// Edge of the tiles in pixels. They overlap by half.
     pub const TILE: u32 = 16;
@@ -131,7 +132,7 @@ mod tests {
     #[test]
     fn leaving_out_every_element_is_visible() {
         let d = Difference::between(&block(30), &block(0)).unwrap();
-        assert!(d.elements > Difference::VISIBLE, "{d:?}");
+        assert!(d.elements > Difference::ANOTHER_PICTURE, "{d:?}");
         assert_eq!(d.coverage_change, -1.0);
     }
 
@@ -141,7 +142,7 @@ mod tests {
             Difference::between(&block(4), &block(0)).unwrap(),
             Difference::between(&block(40), &block(0)).unwrap(),
         );
-        assert!(small.elements > Difference::VISIBLE, "{small:?}");
+        assert!(small.elements > Difference::ANOTHER_PICTURE, "{small:?}");
         assert!(small.mean < 0.25 * large.mean, "{small:?} {large:?}");
     }
 

@@ -127,9 +127,9 @@ pub fn verdict(cells: &[Cell], empty_ms: f64) -> String {
                 ));
             }
         }
-        if let Some(flip) = cell.flip.filter(|f| *f > f64::from(Difference::VISIBLE)) {
+        if let Some(flip) = cell.flip.filter(|f| *f > f64::from(Difference::ANOTHER_PICTURE)) {
             text.push_str(&format!(
-                "{place}: the picture differs visibly from full detail (FLIP {flip:.3})\n"
+                "{place}: the picture is not that of full detail (FLIP {flip:.3})\n"
             ));
         }
     }
