@@ -134,7 +134,9 @@ fn read_models(
     for source in &request.models {
         match source {
             Source::Demo => {
-                let (model, schedule) = demo::generate(&demo::DemoSettings::default(), progress)?;
+                let made = demo::generate(&demo::DemoSettings::default(), progress);
+                progress.check()?;
+                let (model, schedule) = made?;
                 models.push(model);
                 own_schedule = Some(schedule);
             }
