@@ -1,42 +1,11 @@
 //! Checked reading of accessors straight from the bytes, without copying them.
 
+use super::document::{Checked, ComponentType as Component, Type, size};
 use super::fault::Fault;
 use super::source::Source;
 
 /// An accessor without bytes is all zeros; more of them than this is not credible.
 const MOST_ZEROS: usize = 1 << 20;
-
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Component {
-    I8,
-    U8,
-    I16,
-    U16,
-    U32,
-    F32,
-}
-
-impl Component {
-    fn from_code(code: usize) -> Option<Self> {
-        Some(match code {
-            5120 => Self::I8,
-            5121 => Self::U8,
-            5122 => Self::I16,
-            5123 => Self::U16,
-            5125 => Self::U32,
-            5126 => Self::F32,
-            _ => return None,
-        })
-    }
-
-    const fn size(self) -> usize {
-        match self {
-            Self::I8 | Self::U8 => 1,
-            Self::I16 | Self::U16 => 2,
-            Self::U32 | Self::F32 => 4,
-        }
-    }
-}
 
 /// What an attribute may hold.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -110,14 +79,16 @@ impl<'a> Attribute<'a> {
         let accessor = Fault::entry(&source.document.accessors, "accessors", index, user)?;
         let place = format!("accessors[{index}]");
         let fault = |message: String| Fault::new(place.clone(), message);
-        let component = Component::from_code(accessor.component_type.0).ok_or_else(|| {
-            fault(format!("componentType {} does not exist", accessor.component_type.0))
-        })?;
-        let width = match accessor.shape.as_str() {
-            "SCALAR" => 1,
-            "VEC3" => 3,
-            "VEC4" => 4,
-            other => return Err(fault(format!("type {other:?} cannot be used by {user}"))),
+        let said = |field: &str| source.document.said(&format!("/accessors/{index}/{field}"));
+        let Checked::Valid(component) = accessor.component_type else {
+            return Err(fault(format!("componentType {} does not exist", said("componentType"))));
+        };
+        let component = component.0;
+        let (width, shape) = match accessor.type_ {
+            Checked::Valid(Type::Scalar) => (1, "SCALAR"),
+            Checked::Valid(Type::Vec3) => (3, "VEC3"),
+            Checked::Valid(Type::Vec4) => (4, "VEC4"),
+            _ => return Err(fault(format!("type {} cannot be used by {user}", said("type")))),
         };
         use Component as C;
         let fits = match kind {
@@ -128,31 +99,32 @@ impl<'a> Attribute<'a> {
         };
         if !fits {
             return Err(fault(format!(
-                "type {} with componentType {} cannot be used by {user}",
-                accessor.shape, accessor.component_type.0
+                "type {shape} with componentType {} cannot be used by {user}",
+                component.as_gl_enum()
             )));
         }
-        let size = component.size() * width;
-        let count = accessor.count.0;
+        let bytes_each = component.size() * width;
+        let count = size(accessor.count);
         if u32::try_from(count).is_err() {
             return Err(fault(format!("count {count} is too large")));
         }
-        let mut stride = size;
+        let mut stride = bytes_each;
         let bytes = match accessor.buffer_view {
             Some(view) => {
-                let view = source.view(view.0, &place)?;
-                stride = view.stride.unwrap_or(size);
-                if stride < size {
-                    return Err(fault(format!("byteStride {stride} is below {size} bytes")));
+                let view = source.view(view.value(), &place)?;
+                stride = view.stride.unwrap_or(bytes_each);
+                if stride < bytes_each {
+                    return Err(fault(format!("byteStride {stride} is below {bytes_each} bytes")));
                 }
-                Some(elements(view.bytes, &place, accessor.byte_offset.0, count, stride, size)?)
+                let offset = accessor.byte_offset.map_or(0, size);
+                Some(elements(view.bytes, &place, offset, count, stride, bytes_each)?)
             }
             None if count > MOST_ZEROS => {
                 return Err(fault(format!("count {count} is too large without a bufferView")));
             }
             None => None,
         };
-        let overrides = Self::open_sparse(source, index, count, size)?;
+        let overrides = Self::open_sparse(source, index, count, bytes_each)?;
         // A colour is always a share of one; other attributes say so themselves.
         let normalized = accessor.normalized || kind == Kind::Color || kind == Kind::Vec4;
         Ok(Self { accessor: index, count, bytes, stride, component, width, normalized, overrides })
@@ -162,25 +134,26 @@ impl<'a> Attribute<'a> {
         source: &'a Source<'_>,
         index: usize,
         count: usize,
-        size: usize,
+        bytes_each: usize,
     ) -> Result<Overrides<'a>, Fault> {
         let Some(sparse) = &source.document.accessors[index].sparse else {
             return Ok(Overrides::default());
         };
         let place = format!("accessors[{index}].sparse");
         let fault = |message: String| Fault::new(place.clone(), message);
-        let component = Component::from_code(sparse.indices.component_type.0)
-            .filter(|c| matches!(c, Component::U8 | Component::U16 | Component::U32))
-            .ok_or_else(|| {
-                fault(format!("componentType {} is no index", sparse.indices.component_type.0))
-            })?;
-        let n = sparse.count.0;
+        let Checked::Valid(component) = sparse.indices.component_type else {
+            let pointer = format!("/accessors/{index}/sparse/indices/componentType");
+            let said = source.document.said(&pointer);
+            return Err(fault(format!("componentType {said} is no index")));
+        };
+        let component = component.0;
+        let n = size(sparse.count);
         if n > count {
             return Err(fault(format!("count {n} exceeds the accessor's {count}")));
         }
         let width = component.size();
-        let view = source.view(sparse.indices.buffer_view.0, &place)?;
-        let raw = elements(view.bytes, &place, sparse.indices.byte_offset.0, n, width, width)?;
+        let view = source.view(sparse.indices.buffer_view.value(), &place)?;
+        let raw = elements(view.bytes, &place, size(sparse.indices.byte_offset), n, width, width)?;
         let numbers: Vec<u32> = (0..n).map(|i| read_index(&raw[i * width..], component)).collect();
         if !numbers.is_sorted_by(|a, b| a < b) {
             return Err(fault("indices do not increase".to_owned()));
@@ -190,8 +163,9 @@ impl<'a> Attribute<'a> {
         {
             return Err(fault(format!("index {last} is out of range, there are {count}")));
         }
-        let view = source.view(sparse.values.buffer_view.0, &place)?;
-        let values = elements(view.bytes, &place, sparse.values.byte_offset.0, n, size, size)?;
+        let view = source.view(sparse.values.buffer_view.value(), &place)?;
+        let offset = size(sparse.values.byte_offset);
+        let values = elements(view.bytes, &place, offset, n, bytes_each, bytes_each)?;
         Ok(Overrides { elements: numbers, values })
     }
 

@@ -1,7 +1,7 @@
 //! One glTF mesh becomes one [`Mesh`]: its primitives merged, every topology made triangles.
 
 use super::accessor::{Attribute, Kind};
-use super::document::Primitive;
+use super::document::{Checked, Primitive, Semantic, attribute};
 use super::fault::Fault;
 use super::palette::{Palette, quantize};
 use super::source::Source;
@@ -73,6 +73,46 @@ fn offset_of(bounds: &Aabb) -> DVec3 {
     DVec3::new(far(center.x), far(center.y), far(center.z))
 }
 
+/// Corners of triangles that one file may have; far above any building, and what memory holds.
+/// Meshes may share their bytes, so the file's size is no bound.
+pub(super) const MOST_CORNERS: u64 = 1 << 28;
+
+/// Checks how much geometry the meshes together will make, before any of it is made.
+pub(super) fn check_total(source: &Source<'_>, meshes: &[usize]) -> Result<(), Fault> {
+    let mut total = 0u64;
+    for &mesh in meshes {
+        let primitives = source.document.meshes[mesh].primitives.iter();
+        total += primitives.map(|p| corner_count(source, p)).sum::<u64>();
+        if total > MOST_CORNERS {
+            return Err(Fault::new(
+                format!("meshes[{mesh}]"),
+                format!(
+                    "brings the geometry to {total} corners of triangles, more than {MOST_CORNERS} \
+                     are not read"
+                ),
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Corners of a primitive's triangles; none where it is left out.
+fn corner_count(source: &Source<'_>, primitive: &Primitive) -> u64 {
+    let open = |index, kind| Attribute::open(source, index, kind, "").ok().map(|a| a.count as u64);
+    let Checked::Valid(mode) = primitive.mode else { return 0 };
+    let positions = attribute(primitive, Semantic::Positions).and_then(|p| open(p, Kind::Vec3));
+    let count = match (positions, primitive.indices) {
+        (None, _) => None,
+        (count, None) => count,
+        (_, Some(indices)) => open(indices.value(), Kind::Index),
+    };
+    match mode.as_gl_enum() {
+        0..=3 => 0,
+        4 => count.unwrap_or(0),
+        _ => count.unwrap_or(0).saturating_sub(2) * 3,
+    }
+}
+
 type Refusal = (&'static str, Fault);
 
 fn open<'a>(
@@ -83,40 +123,44 @@ fn open<'a>(
     diagnostics: &mut Diagnostics,
 ) -> Result<Option<Part<'a>>, Refusal> {
     let bad = |fault: Fault| ("bad-primitive", fault);
-    let mode = primitive.mode.map_or(4, |m| m.0);
+    let Checked::Valid(mode) = primitive.mode else {
+        let pointer = format!("/{}/mode", name.replace(['[', '.'], "/").replace(']', ""));
+        let said = source.document.said(&pointer);
+        return Err(bad(Fault::new(name, format!("mode {said} does not exist"))));
+    };
+    let mode = mode.as_gl_enum();
     let mut note = |severity, code, text: &str| {
         diagnostics.add(severity, code, name, || {
             format!("{}: node {:?}: {name}: {text}", place.file, place.node)
         });
     };
-    match mode {
-        0..=3 => {
-            note(Severity::Info, "points-or-lines", "points and lines are not drawn");
-            return Ok(None);
-        }
-        4..=6 => {}
-        _ => return Err(bad(Fault::new(name, format!("mode {mode} does not exist")))),
+    if mode <= 3 {
+        note(Severity::Info, "points-or-lines", "points and lines are not drawn");
+        return Ok(None);
     }
-    if !primitive.targets.is_empty() {
+    if primitive.targets.as_ref().is_some_and(|t| !t.is_empty()) {
         note(Severity::Info, "morph-targets", "morph targets are ignored");
     }
-    let Some(position) = primitive.attributes.position else {
+    let Some(position) = attribute(primitive, Semantic::Positions) else {
         note(Severity::Warning, "no-position", "has no POSITION, so nothing is drawn");
         return Ok(None);
     };
-    let positions = Attribute::open(source, position.0, Kind::Vec3, name).map_err(bad)?;
+    let positions = Attribute::open(source, position, Kind::Vec3, name).map_err(bad)?;
     let indices = match primitive.indices {
-        Some(index) => Some(Attribute::open(source, index.0, Kind::Index, name).map_err(bad)?),
+        Some(index) => {
+            Some(Attribute::open(source, index.value(), Kind::Index, name).map_err(bad)?)
+        }
         None => None,
     };
     if let Some(material) = primitive.material
-        && material.0 >= source.document.materials.len()
+        && material.value() >= source.document.materials.len()
     {
-        Fault::entry(&source.document.materials, "materials", material.0, name).map_err(bad)?;
+        Fault::entry(&source.document.materials, "materials", material.value(), name)
+            .map_err(bad)?;
     }
-    let mut optional = |index: Option<super::document::Whole>, kind, what: &str| {
-        let index = index?;
-        match Attribute::open(source, index.0, kind, name) {
+    let mut optional = |semantic, kind, what: &str| {
+        let index = attribute(primitive, semantic)?;
+        match Attribute::open(source, index, kind, name) {
             Ok(attribute) if attribute.count == positions.count => Some(attribute),
             Ok(attribute) => {
                 note(
@@ -124,7 +168,7 @@ fn open<'a>(
                     "bad-attribute",
                     &format!(
                         "{what} (accessors[{}]) has {} elements for {} positions and is ignored",
-                        index.0, attribute.count, positions.count
+                        index, attribute.count, positions.count
                     ),
                 );
                 None
@@ -135,8 +179,8 @@ fn open<'a>(
             }
         }
     };
-    let normals = optional(primitive.attributes.normal, Kind::Vec3, "NORMAL");
-    let colors = optional(primitive.attributes.color, Kind::Color, "COLOR_0");
+    let normals = optional(Semantic::Normals, Kind::Vec3, "NORMAL");
+    let colors = optional(Semantic::Colors(0), Kind::Color, "COLOR_0");
     let count = indices.as_ref().map_or(positions.count, |i| i.count);
     if (mode == 4 && count % 3 != 0) || (mode != 4 && count < 3) {
         note(
@@ -147,13 +191,13 @@ fn open<'a>(
     }
     let corners = corners(mode, count, indices.as_ref(), positions.count, name).map_err(bad)?;
     let bounds = bounds_of(&positions, &corners, name)?;
-    let material = primitive.material.map(|m| m.0);
+    let material = primitive.material.map(|m| m.value());
     Ok(Some(Part { material, positions, normals, colors, corners, bounds }))
 }
 
 /// Vertex numbers, three a triangle, each below `vertices`.
 fn corners(
-    mode: usize,
+    mode: u32,
     count: usize,
     indices: Option<&Attribute<'_>>,
     vertices: usize,

@@ -1,16 +1,16 @@
 //! glTF 2.0 import: files become a [`Model`].
 //!
-//! The document is read with its own plain types ([`document`]) and every access to bytes is
-//! checked ([`accessor`]), because files from the wild are damaged in ways that readers which
+//! The `gltf` crate reads the document and its container ([`document`]); every access to bytes is
+//! checked here ([`accessor`]), because files from the wild are damaged in ways that readers which
 //! validate and then trust do not survive. Damage to the file's structure is an [`ImportError`];
 //! damage to a part leaves that part out and is reported in [`Model::diagnostics`].
 
 mod accessor;
-mod container;
 mod document;
 mod extras;
 mod fault;
 mod federate;
+mod files;
 mod mesh;
 mod nodes;
 mod palette;
@@ -23,7 +23,7 @@ pub use fault::{Fault, ImportError};
 pub use federate::federate;
 
 use crate::{Cancelled, Model, Progress};
-use document::{Document, Head};
+use document::{Document, Refusal};
 use palette::Palette;
 use rayon::prelude::*;
 use source::Source;
@@ -66,15 +66,16 @@ fn parse(
     progress: &Progress,
 ) -> Result<Model, ImportError> {
     let invalid = |fault| ImportError::Invalid { path: path.to_owned(), fault };
-    let container = container::split(bytes).map_err(invalid)?;
-    let document = read_document(container.json, path)?;
+    let container = document::split(bytes).map_err(invalid)?;
+    let document = read_document(&container.json, path)?;
     check_extensions(&document, path)?;
-    let source = Source::load(&document, container.bin, folder).map_err(invalid)?;
+    let source = Source::load(&document, container.bin.as_deref(), folder).map_err(invalid)?;
     let mut diagnostics = Diagnostics::default();
     note_ignored(&document, file, &mut diagnostics);
     let hierarchy = nodes::read(&source, file, &mut diagnostics).map_err(invalid)?;
 
     let (used, first_nodes) = used_meshes(&document, &hierarchy);
+    mesh::check_total(&source, &used).map_err(invalid)?;
     let palette = Palette::build(&source, folder, file, &used, &mut diagnostics);
     progress.begin(&format!("Reading {file}"), used.len() as u64)?;
     let meshes: Vec<mesh::Read> = used
@@ -102,41 +103,14 @@ fn parse(
 }
 
 fn read_document(json: &[u8], path: &Path) -> Result<Document, ImportError> {
-    let invalid = |fault| ImportError::Invalid { path: path.to_owned(), fault };
-    // Chunks of a GLB are padded; some writers pad with zeros.
-    let end = json.iter().rposition(|&b| b != 0).map_or(0, |p| p + 1);
-    let parsed = serde_json::from_slice::<Document>(&json[..end]);
-    let asset = match &parsed {
-        Ok(document) => Some(&document.asset),
-        Err(_) => None,
-    };
-    let head = match asset {
-        Some(_) => Head::default(),
-        None => serde_json::from_slice::<Head>(&json[..end]).unwrap_or_default(),
-    };
-    let asset = asset.unwrap_or(&head.asset);
-    let wanted = asset.min_version.as_deref().unwrap_or(&asset.version);
-    if !wanted.is_empty() && wanted != "2.0" {
-        let older = wanted.starts_with("1.") || wanted.starts_with("0.");
-        // A later 2.x must stay readable, unless the file says otherwise by minVersion.
-        if older || asset.min_version.is_some() || !wanted.starts_with("2.") {
-            return Err(ImportError::Unsupported {
-                path: path.to_owned(),
-                feature: format!("glTF version {wanted:?}"),
-                hint: " (2.0 is)",
-            });
-        }
-    }
-    let document = parsed.map_err(|error| {
-        let place = format!("JSON line {} column {}", error.line(), error.column());
-        let text = error.to_string();
-        let message = text.split(" at line ").next().unwrap_or(&text).to_owned();
-        invalid(Fault { place, message })
-    })?;
-    if document.asset.version.is_empty() {
-        return Err(invalid(Fault::new("asset.version", "is missing, so this is not glTF")));
-    }
-    Ok(document)
+    Document::parse(json).map_err(|refusal| match refusal {
+        Refusal::Fault(fault) => ImportError::Invalid { path: path.to_owned(), fault },
+        Refusal::Version(version) => ImportError::Unsupported {
+            path: path.to_owned(),
+            feature: format!("glTF version {version:?}"),
+            hint: " (2.0 is)",
+        },
+    })
 }
 
 fn check_extensions(document: &Document, path: &Path) -> Result<(), ImportError> {
@@ -157,9 +131,9 @@ fn check_extensions(document: &Document, path: &Path) -> Result<(), ImportError>
 }
 
 fn note_ignored(document: &Document, file: &str, diagnostics: &mut Diagnostics) {
-    if !document.animations.is_empty() {
+    if document.animations > 0 {
         diagnostics.add(Severity::Info, "animations", file, || {
-            format!("{file}: {} animations are ignored", document.animations.len())
+            format!("{file}: {} animations are ignored", document.animations)
         });
     }
     if let Some(i) = document.nodes.iter().position(|n| n.skin.is_some()) {

@@ -1,7 +1,7 @@
 //! The node hierarchy: where meshes stand, what is an element and what is a group.
 
 use super::accessor::{Attribute, Kind};
-use super::document::{Document, Node};
+use super::document::{Document, Node, NodeMore};
 use super::extras::Extras;
 use super::fault::Fault;
 use super::source::Source;
@@ -72,7 +72,7 @@ pub(super) fn read(
     let document = source.document;
     let roots = roots(document)?;
     let extras: Vec<Extras> =
-        document.nodes.iter().map(|n| Extras::read(n.extras.as_ref())).collect();
+        document.more.iter().map(|n| Extras::read(n.extras.as_ref())).collect();
     let (visits, owners) = walk(document, &extras, &roots)?;
     let mut hierarchy = Hierarchy::default();
     let mut storeys: Vec<String> = Vec::new();
@@ -84,7 +84,7 @@ pub(super) fn read(
             Inherited { world: DAffine3::IDENTITY, group: None, element: None, storey: None },
             |p| handed[p],
         );
-        state.world *= local(node, visit.node, file, diagnostics)?;
+        state.world *= local(&document.more[visit.node], visit.node, file, diagnostics)?;
         state.element = None;
         let said = &extras[visit.node];
         let identified = own_name(node).is_some() || said.guid.is_some();
@@ -123,9 +123,13 @@ pub(super) fn read(
         handed.push(state);
         if let (Some(mesh), Some(owner)) = (node.mesh, owner) {
             let element = handed[owner].element.expect("owners are elements, and come first");
-            let at =
-                Placement { element, mesh: mesh.0, node: visit.node, world_from_mesh: state.world };
-            place(source, node, at, &mut hierarchy.placements)?;
+            let at = Placement {
+                element,
+                mesh: mesh.value(),
+                node: visit.node,
+                world_from_mesh: state.world,
+            };
+            place(source, at, &mut hierarchy.placements)?;
         }
     }
     Ok(hierarchy)
@@ -136,17 +140,17 @@ fn roots(document: &Document) -> Result<Vec<usize>, Fault> {
     let count = document.nodes.len();
     let mut parents: Vec<Option<usize>> = vec![None; count];
     for (i, node) in document.nodes.iter().enumerate() {
-        for child in &node.children {
-            Fault::entry(&document.nodes, "nodes", child.0, format!("nodes[{i}].children"))?;
-            if let Some(other) = parents[child.0].replace(i) {
+        for child in node.children.iter().flatten().map(|c| c.value()) {
+            Fault::entry(&document.nodes, "nodes", child, format!("nodes[{i}].children"))?;
+            if let Some(other) = parents[child].replace(i) {
                 return Err(Fault::new(
-                    format!("nodes[{}] {:?}", child.0, node_name(document, child.0)),
+                    format!("nodes[{child}] {:?}", node_name(document, child)),
                     format!("has two parents, nodes[{other}] and nodes[{i}]"),
                 ));
             }
         }
         if let Some(mesh) = node.mesh {
-            Fault::entry(&document.meshes, "meshes", mesh.0, format!("nodes[{i}]"))?;
+            Fault::entry(&document.meshes, "meshes", mesh.value(), format!("nodes[{i}]"))?;
         }
     }
     // With one parent each, whatever no root reaches is a cycle.
@@ -154,7 +158,7 @@ fn roots(document: &Document) -> Result<Vec<usize>, Fault> {
     let mut stack: Vec<usize> = (0..count).filter(|&i| parents[i].is_none()).collect();
     while let Some(i) = stack.pop() {
         reached[i] = true;
-        stack.extend(document.nodes[i].children.iter().map(|c| c.0));
+        stack.extend(document.nodes[i].children.iter().flatten().map(|c| c.value()));
     }
     if let Some(i) = reached.iter().position(|r| !r) {
         return Err(Fault::new(
@@ -163,27 +167,30 @@ fn roots(document: &Document) -> Result<Vec<usize>, Fault> {
         ));
     }
     let scene = match document.scene {
-        Some(scene) => Some((scene.0, Fault::entry(&document.scenes, "scenes", scene.0, "scene")?)),
+        Some(scene) => {
+            let scene = scene.value();
+            Some((scene, Fault::entry(&document.scenes, "scenes", scene, "scene")?))
+        }
         None => document.scenes.first().map(|s| (0, s)),
     };
     let Some((s, scene)) = scene else {
         return Ok((0..count).filter(|&i| parents[i].is_none()).collect());
     };
     let mut listed = vec![false; count];
-    for node in &scene.nodes {
+    for node in scene.nodes.iter().map(|n| n.value()) {
         let place = format!("scenes[{s}]");
-        Fault::entry(&document.nodes, "nodes", node.0, &place)?;
-        if let Some(parent) = parents[node.0] {
+        Fault::entry(&document.nodes, "nodes", node, &place)?;
+        if let Some(parent) = parents[node] {
             return Err(Fault::new(
                 place,
-                format!("lists nodes[{}], which is a child of nodes[{parent}]", node.0),
+                format!("lists nodes[{node}], which is a child of nodes[{parent}]"),
             ));
         }
-        if std::mem::replace(&mut listed[node.0], true) {
-            return Err(Fault::new(place, format!("lists nodes[{}] twice", node.0)));
+        if std::mem::replace(&mut listed[node], true) {
+            return Err(Fault::new(place, format!("lists nodes[{node}] twice")));
         }
     }
-    Ok(scene.nodes.iter().map(|n| n.0).collect())
+    Ok(scene.nodes.iter().map(|n| n.value()).collect())
 }
 
 /// All nodes below the roots, parents first, in the file's order; and for each node with a mesh
@@ -217,7 +224,7 @@ fn walk(
             if anonymous || part { owner.unwrap_or(me) } else { me }
         });
         owners.push(owner);
-        stack.extend(node.children.iter().rev().map(|c| (c.0, Some(me))));
+        stack.extend(node.children.iter().flatten().rev().map(|c| (c.value(), Some(me))));
     }
     Ok((visits, owners))
 }
@@ -243,7 +250,7 @@ fn adopting(visits: &[Visit], owners: &[Option<usize>]) -> Vec<bool> {
 
 /// Mesh space of a node to the space of its parent.
 fn local(
-    node: &Node,
+    node: &NodeMore,
     index: usize,
     file: &str,
     diagnostics: &mut Diagnostics,
@@ -287,19 +294,14 @@ fn rotation(q: [f64; 4]) -> DQuat {
 }
 
 /// Adds a node's mesh once, or once for each of its instances (EXT_mesh_gpu_instancing).
-fn place(
-    source: &Source<'_>,
-    node: &Node,
-    at: Placement,
-    placements: &mut Vec<Placement>,
-) -> Result<(), Fault> {
-    let Some(instancing) = &node.extensions.instancing else {
+fn place(source: &Source<'_>, at: Placement, placements: &mut Vec<Placement>) -> Result<(), Fault> {
+    let Some(instancing) = &source.document.more[at.node].instancing else {
         placements.push(at);
         return Ok(());
     };
     let name = format!("nodes[{}].extensions.EXT_mesh_gpu_instancing", at.node);
-    let open = |index: Option<super::document::Whole>, kind| {
-        index.map(|i| Attribute::open(source, i.0, kind, &name)).transpose()
+    let open = |index: Option<usize>, kind| {
+        index.map(|i| Attribute::open(source, i, kind, &name)).transpose()
     };
     let translation = open(instancing.attributes.translation, Kind::Vec3)?;
     let rotations = open(instancing.attributes.rotation, Kind::Vec4)?;

@@ -1,8 +1,8 @@
 //! Materials: factors, textures' means and vertex colours brought into one table.
 
 use super::accessor::{Attribute, Kind};
-use super::container::{fetch, shorten};
-use super::document;
+use super::document::{self, AlphaMode, Checked, Document, Semantic, attribute};
+use super::files::{fetch, shorten};
 use super::source::Source;
 use crate::Material;
 use rayon::prelude::*;
@@ -55,13 +55,13 @@ impl Palette {
         let default = document.materials.len();
         let primitives = || used_meshes.iter().flat_map(|&m| &document.meshes[m].primitives);
         let used: BTreeSet<usize> =
-            primitives().map(|p| p.material.map_or(default, |m| m.0.min(default))).collect();
+            primitives().map(|p| p.material.map_or(default, |m| m.value().min(default))).collect();
         let means = texture_means(source, folder, file, &used, diagnostics);
         let mut surfaces: Vec<Material> = document
             .materials
             .iter()
             .enumerate()
-            .map(|(i, m)| surface(m, means.get(&i).copied(), i, file, diagnostics))
+            .map(|(i, m)| surface(document, m, means.get(&i).copied(), i, file, diagnostics))
             .collect();
         surfaces.push(Material {
             name: String::new(),
@@ -76,7 +76,7 @@ impl Palette {
             let blend = document
                 .materials
                 .get(material as usize)
-                .is_some_and(|m| m.alpha_mode.as_deref() == Some("BLEND"));
+                .is_some_and(|m| m.alpha_mode == Checked::Valid(AlphaMode::Blend));
             tint(&surfaces[material as usize], color, blend)
         }));
         let (materials, places) = reduce(all, file, diagnostics);
@@ -100,6 +100,7 @@ fn tint(surface: &Material, color: Color, blend: bool) -> Material {
 }
 
 fn surface(
+    document: &Document,
     material: &document::Material,
     texture_mean: Option<[f32; 4]>,
     index: usize,
@@ -107,29 +108,33 @@ fn surface(
     diagnostics: &mut Diagnostics,
 ) -> Material {
     let pbr = &material.pbr_metallic_roughness;
-    let factor = pbr.base_color_factor.unwrap_or([1.0; 4]);
+    let factor = pbr.base_color_factor.0;
     let mean = texture_mean.unwrap_or([1.0; 4]);
     let mut color: [f32; 4] = std::array::from_fn(|i| (factor[i] * mean[i]).clamp(0.0, 1.0));
     let place = || format!("materials[{index}]");
-    let mode = material.alpha_mode.as_deref().unwrap_or("OPAQUE");
     let mut transparent = false;
-    match mode {
-        "BLEND" => transparent = color[3] < 1.0,
-        "OPAQUE" => {}
-        "MASK" => diagnostics.add(Severity::Info, "alpha-mask", place(), || {
-            format!("{file}: {}: alphaMode MASK is drawn solid", place())
-        }),
-        other => diagnostics.add(Severity::Warning, "alpha-mode", place(), || {
-            format!("{file}: {}: alphaMode {other:?} is unknown, drawn solid", place())
+    match material.alpha_mode {
+        Checked::Valid(AlphaMode::Blend) => transparent = color[3] < 1.0,
+        Checked::Valid(AlphaMode::Opaque) => {}
+        Checked::Valid(AlphaMode::Mask) => {
+            diagnostics.add(Severity::Info, "alpha-mask", place(), || {
+                format!("{file}: {}: alphaMode MASK is drawn solid", place())
+            })
+        }
+        Checked::Invalid => diagnostics.add(Severity::Warning, "alpha-mode", place(), || {
+            let said = document.said(&format!("/materials/{index}/alphaMode"));
+            format!("{file}: {}: alphaMode {said} is unknown, drawn solid", place())
         }),
     }
     if !transparent {
         color[3] = 1.0;
     }
-    let unlit = material.extensions.unlit.is_some();
+    let unlit = material.extensions.as_ref().is_some_and(|e| e.unlit.is_some());
     // The format's default is metal, but files that leave it out hardly mean mirrors.
-    let metallic = if unlit { 0.0 } else { pbr.metallic_factor.unwrap_or(0.0).clamp(0.0, 1.0) };
-    let roughness = if unlit { 1.0 } else { pbr.roughness_factor.unwrap_or(1.0).clamp(0.0, 1.0) };
+    let factor = format!("/materials/{index}/pbrMetallicRoughness/metallicFactor");
+    let dull = unlit || !document.says(&factor);
+    let metallic = if dull { 0.0 } else { pbr.metallic_factor.0.clamp(0.0, 1.0) };
+    let roughness = if unlit { 1.0 } else { pbr.roughness_factor.0.clamp(0.0, 1.0) };
     let name = material.name.clone().unwrap_or_default();
     Material { name, color, roughness, metallic, transparent }
 }
@@ -152,16 +157,19 @@ fn texture_means(
     for &index in used {
         let Some(material) = document.materials.get(index) else { continue };
         let Some(info) = &material.pbr_metallic_roughness.base_color_texture else { continue };
-        let texture = document.textures.get(info.index.0);
-        let image = texture.and_then(|t| t.source).map(|s| s.0);
+        let texture = document.textures.get(info.index.value());
+        let image = texture.map(|t| t.source.value());
         match image {
             Some(image) if image < document.images.len() => {
-                let by_alpha = matches!(material.alpha_mode.as_deref(), Some("BLEND" | "MASK"));
+                let by_alpha = matches!(
+                    material.alpha_mode,
+                    Checked::Valid(AlphaMode::Blend | AlphaMode::Mask)
+                );
                 jobs.entry((image, by_alpha)).or_default().push(index);
             }
             _ => warn(
                 format!("materials[{index}]"),
-                format!("textures[{}] has no image that is read", info.index.0),
+                format!("textures[{}] has no image that is read", info.index.value()),
             ),
         }
     }
@@ -194,7 +202,7 @@ fn image_mean(
             &fetched[..]
         }
         (None, Some(view)) => {
-            source.view(view.0, &format!("images[{index}]")).map_err(|f| f.to_string())?.bytes
+            source.view(view.value(), &format!("images[{index}]")).map_err(|f| f.to_string())?.bytes
         }
         (None, None) => return Err("has neither a uri nor a bufferView".to_owned()),
     };
@@ -242,7 +250,8 @@ fn vertex_colors(source: &Source<'_>, used_meshes: &[usize], default: usize) -> 
         .iter()
         .flat_map(|&m| &source.document.meshes[m].primitives)
         .filter_map(|p| {
-            Some((p.material.map_or(default, |m| m.0.min(default)), p.attributes.color?.0))
+            let color = attribute(p, Semantic::Colors(0))?;
+            Some((p.material.map_or(default, |m| m.value().min(default)), color))
         })
         .collect();
     let sets: Vec<HashSet<(u32, Color)>> = pairs

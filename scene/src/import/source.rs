@@ -1,8 +1,8 @@
 //! Bytes of buffers and buffer views, checked before use.
 
-use super::container::{fetch, shorten};
-use super::document::{Compression, Document};
+use super::document::{Compression, Document, size};
 use super::fault::Fault;
+use super::files::{fetch, shorten};
 use crate::optimizer::{self, Filter};
 use std::borrow::Cow;
 use std::path::Path;
@@ -39,13 +39,11 @@ impl<'a> Source<'a> {
             let fault = |message: String| Fault::new(format!("buffers[{i}]"), message);
             let bytes = match (&buffer.uri, bin) {
                 (Some(uri), _) => Some(Cow::Owned(fetch(folder, uri).map_err(fault)?)),
-                (None, Some(bin)) if i == 0 && buffer.extensions.compression.is_none() => {
-                    Some(Cow::Borrowed(bin))
-                }
+                (None, Some(bin)) if i == 0 && !document.is_fallback(i) => Some(Cow::Borrowed(bin)),
                 (None, _) => None,
             };
             if let Some(bytes) = &bytes
-                && bytes.len() < buffer.byte_length.0
+                && bytes.len() < size(buffer.byte_length)
             {
                 let name = buffer.uri.as_deref().map_or(Cow::Borrowed("the BIN chunk"), shorten);
                 return Err(fault(format!(
@@ -71,7 +69,7 @@ impl<'a> Source<'a> {
         let bytes = bytes.as_deref().ok_or_else(|| {
             Fault::new(place, format!("buffers[{buffer}] has neither a uri nor a BIN chunk"))
         })?;
-        let announced = self.document.buffers[buffer].byte_length.0;
+        let announced = size(self.document.buffers[buffer].byte_length);
         let bytes = &bytes[..announced.min(bytes.len())];
         offset.checked_add(length).and_then(|end| bytes.get(offset..end)).ok_or_else(|| {
             Fault::new(
@@ -89,15 +87,16 @@ impl<'a> Source<'a> {
     pub fn view(&self, index: usize, user: &str) -> Result<View<'_>, Fault> {
         let view = Fault::entry(&self.document.buffer_views, "bufferViews", index, user)?;
         let place = format!("bufferViews[{index}]");
-        if let Some(packed) = &view.extensions.compression {
+        if let Some(packed) = &self.document.packed[index] {
             let unpacked = self.unpacked[index]
                 .get_or_init(|| self.unpack(&place, packed).map_err(|fault| fault.message));
             return match unpacked {
-                Ok(bytes) => Ok(View { bytes, stride: Some(packed.byte_stride.0) }),
+                Ok(bytes) => Ok(View { bytes, stride: Some(packed.byte_stride) }),
                 Err(message) => Err(Fault::new(place, message.clone())),
             };
         }
-        let bytes = self.range(&place, view.buffer.0, view.byte_offset.0, view.byte_length.0)?;
+        let offset = view.byte_offset.map_or(0, size);
+        let bytes = self.range(&place, view.buffer.value(), offset, size(view.byte_length))?;
         let stride = view.byte_stride.map(|s| s.0);
         if let Some(stride) = stride
             && !(4..=252).contains(&stride)
@@ -108,8 +107,7 @@ impl<'a> Source<'a> {
     }
 
     fn unpack(&self, place: &str, packed: &Compression) -> Result<Vec<u8>, Fault> {
-        let bytes =
-            self.range(place, packed.buffer.0, packed.byte_offset.0, packed.byte_length.0)?;
+        let bytes = self.range(place, packed.buffer, packed.byte_offset, packed.byte_length)?;
         let fault = |message: String| Fault::new(place, message);
         let filter = match packed.filter.as_deref() {
             None | Some("NONE") => Filter::None,
@@ -119,7 +117,7 @@ impl<'a> Source<'a> {
             Some("COLOR") => Filter::Color,
             Some(other) => return Err(fault(format!("unknown filter {other:?}"))),
         };
-        let (count, stride) = (packed.count.0, packed.byte_stride.0);
+        let (count, stride) = (packed.count, packed.byte_stride);
         match packed.mode.as_str() {
             "ATTRIBUTES" => optimizer::decode_vertices(bytes, count, stride, filter),
             "TRIANGLES" => optimizer::decode_triangles(bytes, count, stride),

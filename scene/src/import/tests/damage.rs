@@ -278,6 +278,27 @@ fn buffers_that_are_missing_or_short_are_named() {
     assert_eq!(write(Some(&format!("data:,{text}")), length).is_ok(), ascii);
 }
 
+/// A small file whose meshes all use the same large accessor would fill any memory.
+#[test]
+fn geometry_without_end_from_shared_bytes_is_refused_at_once() {
+    let mut b = Builder::simple();
+    let count = 1 << 20;
+    let indices = b.accessor(&vec![0; count], 5121, "SCALAR", count);
+    let primitive = json!({"attributes": {"POSITION": 0}, "indices": indices});
+    let strip = json!({"attributes": {"POSITION": 0}, "indices": indices, "mode": 5});
+    for i in 0..100 {
+        let mesh = b.push("meshes", json!({"primitives": [strip]}));
+        b.node(json!({"name": format!("copy {i}"), "mesh": mesh}));
+    }
+    let message = b.error();
+    assert!(message.contains("model.glb: meshes[86]: "), "{message}");
+    assert!(message.contains("268435456"), "{message}");
+    // What no node places does not count.
+    b.json["nodes"].as_array_mut().unwrap().truncate(3);
+    b.json["meshes"][50]["primitives"] = json!(vec![primitive; 1000]);
+    assert!(b.read().is_ok());
+}
+
 #[test]
 fn reading_can_be_cancelled() {
     let folder = tempfile::tempdir().unwrap();

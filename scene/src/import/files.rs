@@ -1,108 +1,7 @@
-//! Bytes of a glTF: the GLB container, external files and data URIs.
+//! Bytes beside the document: external files and data URIs.
 
-use super::fault::Fault;
 use std::borrow::Cow;
 use std::path::{Component, Path};
-
-const MAGIC: &[u8; 4] = b"glTF";
-const JSON_CHUNK: u32 = 0x4E4F_534A;
-const BIN_CHUNK: u32 = 0x004E_4942;
-
-/// A file taken apart.
-#[derive(Debug)]
-pub(super) struct Container<'a> {
-    /// The document's text.
-    pub json: &'a [u8],
-    /// The binary chunk of a GLB.
-    pub bin: Option<&'a [u8]>,
-}
-
-fn word(bytes: &[u8], at: usize) -> Option<u32> {
-    let four = bytes.get(at..at.checked_add(4)?)?;
-    Some(u32::from_le_bytes(four.try_into().expect("four bytes were taken")))
-}
-
-/// Recognises GLB and glTF by their first bytes and finds the chunks.
-pub(super) fn split(bytes: &[u8]) -> Result<Container<'_>, Fault> {
-    if bytes.starts_with(MAGIC) {
-        return split_glb(bytes);
-    }
-    let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-    match text.iter().find(|b| !b.is_ascii_whitespace()) {
-        Some(b'{') => Ok(Container { json: text, bin: None }),
-        _ => {
-            let start: Vec<_> = bytes.iter().take(4).map(|b| format!("{b:02x}")).collect();
-            Err(Fault::new(
-                "byte 0",
-                format!(
-                    "not glTF: starts with [{}] instead of \"glTF\" (GLB) or \"{{\" (JSON)",
-                    start.join(" ")
-                ),
-            ))
-        }
-    }
-}
-
-fn split_glb(bytes: &[u8]) -> Result<Container<'_>, Fault> {
-    let truncated = |at: usize, need: u64| {
-        Fault::new(
-            format!("byte {at}"),
-            format!("truncated GLB: {need} bytes are announced, the file has {}", bytes.len()),
-        )
-    };
-    let version = word(bytes, 4).ok_or_else(|| truncated(4, 12))?;
-    if version != 2 {
-        return Err(Fault::new("byte 4", format!("GLB version {version} is not read, only 2")));
-    }
-    let length = word(bytes, 8).ok_or_else(|| truncated(8, 12))?;
-    if u64::from(length) > bytes.len() as u64 {
-        return Err(truncated(8, u64::from(length)));
-    }
-    let mut container = Container { json: &[], bin: None };
-    let bytes = &bytes[..length as usize];
-    let mut at = 12;
-    let mut chunk = 0;
-    while at < bytes.len() {
-        let head = word(bytes, at).zip(word(bytes, at + 4));
-        let (size, kind) = head.ok_or_else(|| {
-            Fault::new(
-                format!("byte {at}"),
-                format!("truncated GLB: the header of chunk {chunk} needs 8 bytes"),
-            )
-        })?;
-        let start = at + 8;
-        let data = start
-            .checked_add(size as usize)
-            .and_then(|end| bytes.get(start..end))
-            .ok_or_else(|| {
-                Fault::new(
-                    format!("byte {at}"),
-                    format!(
-                        "truncated GLB: chunk {chunk} announces {size} bytes, {} are left",
-                        bytes.len() - start
-                    ),
-                )
-            })?;
-        match (chunk, kind) {
-            (0, JSON_CHUNK) => container.json = data,
-            (0, _) => {
-                return Err(Fault::new(
-                    format!("byte {}", at + 4),
-                    format!("the first chunk of a GLB must be JSON, this one is 0x{kind:08x}"),
-                ));
-            }
-            (1, BIN_CHUNK) => container.bin = Some(data),
-            // Later versions may add chunks; a reader skips what it does not know.
-            _ => {}
-        }
-        chunk += 1;
-        at = start + size as usize;
-    }
-    if chunk == 0 {
-        return Err(Fault::new("byte 12", "truncated GLB: it has no chunk"));
-    }
-    Ok(container)
-}
 
 /// The bytes behind a URI: a data URI or a file beside (or below) the document.
 pub(super) fn fetch(folder: &Path, uri: &str) -> Result<Vec<u8>, String> {
@@ -239,23 +138,5 @@ mod tests {
         assert!(fetch(folder.path(), "sub dir").unwrap_err().contains("not a file"));
         assert!(fetch(folder.path(), "a\0b").is_err());
         assert!(fetch(folder.path(), "").is_err());
-    }
-
-    #[test]
-    fn every_truncation_of_a_container_is_named() {
-        let json = b"{}  ";
-        let mut glb = b"glTF".to_vec();
-        for n in [2u32, 24, 4, JSON_CHUNK] {
-            glb.extend(n.to_le_bytes());
-        }
-        glb.extend(json);
-        assert_eq!(split(&glb).unwrap().json, json);
-        for end in 4..glb.len() {
-            let fault = split(&glb[..end]).unwrap_err();
-            assert!(fault.message.contains("truncated"), "{end}: {fault}");
-        }
-        assert!(split(b"PK\x03\x04....").unwrap_err().message.contains("50 4b 03 04"));
-        glb[4] = 1;
-        assert!(split(&glb).unwrap_err().message.contains("version 1"));
     }
 }
