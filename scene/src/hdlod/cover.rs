@@ -29,6 +29,11 @@ use std::ops::Range;
 /// for why it does not add to the covers' radius.
 const SNAP_SHARE: f32 = 0.5;
 
+/// Triangles higher than this share of the budget can be told apart on the picture. They are not
+/// moved, their part is not flattened, and only what faces the same way may cover them: a window
+/// that stands a little before its wall would else move into it, or keep only the side inside.
+const DISTINCT_HEIGHT: f32 = 1.5;
+
 /// Thickness of a part that becomes a rectangle, as a share of the budget: seen from its edge the
 /// rectangle is nothing, so the part must be nearly nothing there too.
 const FLAT_SHARE: f32 = 1.2;
@@ -128,21 +133,28 @@ impl Work {
             work.sources.extend(part.iter().map(|&i| source[i as usize]));
             let range = first..work.sources.len() as u32;
             let members = &work.sources[first as usize..];
-            if let Some(flat) = parts::flatten(members, cover_m, cover_m * FLAT_SHARE) {
+            if let Some(flat) =
+                parts::flatten(members, cover_m, cover_m * FLAT_SHARE, cover_m * DISTINCT_HEIGHT)
+            {
                 work.distance_m = work.distance_m.max(flat.distance_m);
                 for half in flat.halves {
                     work.items.push(Item::new(half, range.clone(), first));
                 }
             } else {
-                range.for_each(|place| work.snap(place, cell));
+                range.for_each(|place| work.snap(place, cell, cover_m));
             }
         }
         work.items.sort_by(|a, b| b.area.total_cmp(&a.area));
         work
     }
 
-    fn snap(&mut self, place: u32, cell: f32) {
+    fn snap(&mut self, place: u32, cell: f32, cover_m: f32) {
         let original = self.sources[place as usize];
+        let own = place..place + 1;
+        if original.height() > DISTINCT_HEIGHT * cover_m {
+            self.items.push(Item::new(original, own, place));
+            return;
+        }
         let mut triangle = original;
         // The grid is the same for all clusters, so neighbours meet where they met.
         triangle.corners = original.corners.map(|c| ((c / cell).floor() + 0.5) * cell);
@@ -154,7 +166,7 @@ impl Work {
         for (snapped, corner) in triangle.corners.iter().zip(original.corners) {
             self.distance_m = self.distance_m.max(snapped.distance(corner));
         }
-        self.items.push(Item::new(triangle, place..place + 1, place));
+        self.items.push(Item::new(triangle, own, place));
     }
 
     fn index(&mut self, radius: f32) {
@@ -199,8 +211,11 @@ impl Work {
             // picture may also go behind glass.
             let slim = triangle.height();
             let (any_color, any_layer) = (slim <= radius, slim <= 0.5 * radius);
+            let distinct = slim > DISTINCT_HEIGHT * radius;
+            let facing = triangle.cross();
             let covered = self.cover(item.sources.clone(), item.unit, radius, &|c| {
-                (any_layer || c.layer == triangle.layer)
+                (!distinct || c.cross().dot(facing) > 0.0)
+                    && (any_layer || c.layer == triangle.layer)
                     && (any_color || palette.alike(c.material, triangle.material))
                     && presence.includes(c.behaviour, triangle.behaviour)
             });

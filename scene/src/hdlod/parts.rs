@@ -57,11 +57,16 @@ pub(crate) struct Flat {
 }
 
 /// The middle rectangle of a part of more than two triangles, if it is at most `thickness_m`
-/// thick and rectangle and part are within `radius` of each other, both ways.
+/// thick and `height_m` high and rectangle and part are within `radius` of each other, both ways.
 ///
 /// A rectangle is convex, so the part is within `radius` where its corners are; the other way
 /// the rectangle is cut into pieces that each lie at one triangle.
-pub(crate) fn flatten(part: &[Triangle], radius: f32, thickness_m: f32) -> Option<Flat> {
+pub(crate) fn flatten(
+    part: &[Triangle],
+    radius: f32,
+    thickness_m: f32,
+    height_m: f32,
+) -> Option<Flat> {
     if !(3..=MOST_TRIANGLES).contains(&part.len()) {
         return None;
     }
@@ -85,7 +90,8 @@ pub(crate) fn flatten(part: &[Triangle], radius: f32, thickness_m: f32) -> Optio
     } else {
         0
     };
-    if size[thin] > thickness_m {
+    let height = size[(thin + 1) % 3].min(size[(thin + 2) % 3]);
+    if size[thin] > thickness_m || height > height_m {
         return None;
     }
     let middle = (min + max) * 0.5;
