@@ -12,9 +12,8 @@ use std::collections::BTreeSet;
 use topout_schedule::{Behaviour, StepFunction};
 
 /// A cluster is measured against those descendants whose own error is at most this share of its
-/// threshold: the chain of H5 then spends little, and the work stays that of a few levels.
-/// (Against the children: 1.5 to 1.7 times more triangles at the coarse end. Against the
-/// leaves: several times the work.)
+/// threshold: the chain of H5 then spends little, and the work stays that of a few levels. On a
+/// demo of 20,000 elements 0.4 draws 5 % more triangles at 1/1 and as many at 1/4.
 const SOURCE_SHARE: f32 = 0.2;
 
 /// A parent must draw at most this share of its children's triangles; otherwise they stay active

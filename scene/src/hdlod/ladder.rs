@@ -2,8 +2,8 @@
 
 use topout_schedule::TimeRange;
 
-/// Number of levels that the formula of H12 spans. Measured: 8 levels draw up to 1.7 times more
-/// triangles close up, 20 only build slower.
+/// Number of levels that the formula of H12 spans: eps grows by a factor of about 2 from level to
+/// level. Fewer would leave gaps between the errors on offer, more would only build slower.
 const LEVELS: u32 = 12;
 
 /// Pixels along the picture's height and vertical field of view that the ladder is laid out for
@@ -16,7 +16,8 @@ const REFERENCE_FOV: f32 = crate::View::FOV_Y;
 const TOP_PX: f32 = 5.0;
 
 /// A cluster's box may be this many times its eps across. Keeps the picture of one cluster small
-/// on the screen whenever it is drawn: at most this many pixels at a tolerance of one.
+/// on the screen whenever it is drawn: at most this many pixels at a tolerance of one. On a demo
+/// of 20,000 elements 32 draws 23 % more triangles at 1/1, from parts that fit in no cluster.
 const DIAMETER_PER_EPS: f32 = 64.0;
 
 /// The floor of w: one element of no size must not break the ladder (R9).
