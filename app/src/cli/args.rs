@@ -31,10 +31,12 @@ pub struct Cli {
 }
 
 impl Cli {
-    /// What the viewer shall open; `None` without a model and a schedule.
-    pub fn viewer_request(self) -> Option<Request> {
-        let empty = self.models.is_empty() && self.reading.schedule.is_empty();
-        (!empty).then(|| self.reading.request(self.models))
+    /// What the viewer shall open: the demo project where neither model nor schedule is named.
+    pub fn viewer_request(self) -> Request {
+        if self.models.is_empty() && self.reading.schedule.is_empty() {
+            return Request::demo();
+        }
+        self.reading.request(self.models)
     }
 }
 
@@ -353,14 +355,14 @@ mod tests {
 
     #[test]
     fn no_arguments_mean_the_viewer_with_the_demo() {
-        assert_eq!(parse("topout").unwrap().viewer_request(), None);
+        assert_eq!(parse("topout").unwrap().viewer_request(), Request::demo());
     }
 
     #[test]
     fn models_and_schedules_open_in_the_viewer() {
         let cli = parse("topout a.glb demo --schedule s.csv --schedule l.csv").unwrap();
         assert!(cli.command.is_none());
-        let request = cli.viewer_request().unwrap();
+        let request = cli.viewer_request();
         assert_eq!(request.models, [Source::File("a.glb".into()), Source::Demo]);
         assert_eq!(request.schedules, [PathBuf::from("s.csv"), PathBuf::from("l.csv")]);
     }

@@ -45,7 +45,7 @@ pub fn run() -> ExitCode {
         Some(Command::Bake(args)) => bake::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Bench(args)) => bench::run(&args),
-        None => crate::window::run(cli.viewer_request()).map(|()| Outcome::Fine),
+        None => crate::window::run(Some(cli.viewer_request())).map(|()| Outcome::Fine),
     };
     match result {
         Ok(Outcome::Fine) => ExitCode::SUCCESS,
