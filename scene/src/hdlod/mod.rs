@@ -6,6 +6,7 @@
 //! | thresholds per level | `ladder` | H12, R4, R5, R9 |
 //! | who is merged | `hilbert`, `grouping` | H11, H14, H15 |
 //! | merged geometry and its certificate | `soup`, `parts`, `cover` | H5, H13, R10 |
+//! | how far soups are apart, proved | `certify`, `bvh` | R10, R11 |
 //! | what may stand for what in time | `presence` | R11 |
 //! | the loop over levels | `build` | H4, H6, H7, H11, R2, R9 |
 //! | what to draw | `select` | H8, H9, H10, R1, R5 to R8 |
@@ -16,6 +17,10 @@
 //! delta, a figure of merit and not a proof of a picture (R3).
 
 mod build;
+#[allow(dead_code)]
+mod bvh;
+#[allow(dead_code)]
+mod certify;
 mod cover;
 mod grouping;
 mod hilbert;

@@ -49,6 +49,14 @@ impl<'a> PresenceTable<'a> {
         self.hulls[id.index()]
     }
 
+    /// What must be spanned by whatever is present whenever this behaviour is: the interval around
+    /// all presence, everything where time does not matter.
+    #[allow(dead_code)]
+    pub fn span(&self, id: BehaviourId) -> (Time, Time) {
+        let hull = self.hull(id);
+        if self.time_exact { (hull.on, hull.off) } else { (Time::MIN, Time::MAX) }
+    }
+
     /// Whether `a` is present at every instant at which `b` is.
     pub fn includes(&self, a: BehaviourId, b: BehaviourId) -> bool {
         if a == b || !self.time_exact {
