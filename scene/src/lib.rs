@@ -4,6 +4,7 @@
 //! Nothing here touches wgpu or egui.
 
 pub mod demo;
+mod edit;
 pub mod export;
 mod geometry;
 pub mod hdlod;
@@ -16,6 +17,7 @@ mod progress;
 mod scene;
 mod view;
 
+pub use edit::{EditError, Edited};
 pub use geometry::{Aabb, Layer, Mesh, Vertex, decode_normal, encode_normal};
 pub use hdlod::{Hdlod, Selection};
 pub use progress::{Cancelled, Progress};

@@ -4,7 +4,10 @@ use crate::{BehaviourId, Element, ElementId, Group, GroupId, Model, Scene};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
-use topout_schedule::{Activity, ActivityKind, Diagnostics, Schedule, Severity, presence};
+use std::sync::Arc;
+use topout_schedule::{
+    Activity, ActivityKind, Behaviour, Diagnostics, Schedule, Severity, presence,
+};
 
 /// Pairs of element and activity that are kept. A schedule that links the whole building to each
 /// of thousands of activities would otherwise fill the memory.
@@ -66,19 +69,17 @@ pub fn link(model: Model, schedule: Schedule) -> Scene {
     let (behaviours, element_behaviour) =
         behaviours(&schedule.activities, &activity_starts, &activity_links);
     let mut scene = Scene {
-        model,
+        model: Arc::new(model),
         schedule,
         behaviours,
         element_behaviour,
         activity_starts,
         activity_links,
-        diagnostics,
+        link_diagnostics: diagnostics,
+        diagnostics: Diagnostics::default(),
     };
     note_unlinked(&mut scene);
-    let mut all = std::mem::take(&mut scene.model.diagnostics);
-    all.append(std::mem::take(&mut scene.schedule.diagnostics));
-    all.append(std::mem::take(&mut scene.diagnostics));
-    scene.diagnostics = all;
+    scene.collect_diagnostics();
     scene
 }
 
@@ -223,13 +224,18 @@ fn pairs(model: &Model, schedule: &Schedule, diagnostics: &mut Diagnostics) -> V
     pairs
 }
 
+/// The behaviour of an element with these activities.
+pub(crate) fn presence_by_activities(activities: &[Activity], list: &[u32]) -> Behaviour {
+    presence(list.iter().map(|&a| &activities[a as usize]))
+}
+
 /// Distinct behaviours and that of each element. Elements with the same activities share theirs,
 /// so presence is worked out once for each distinct list.
 fn behaviours(
     activities: &[Activity],
     starts: &[u32],
     links: &[u32],
-) -> (Vec<topout_schedule::Behaviour>, Vec<BehaviourId>) {
+) -> (Vec<Behaviour>, Vec<BehaviourId>) {
     let list = |e: usize| &links[starts[e] as usize..starts[e + 1] as usize];
     let mut lists: HashMap<&[u32], u32> = HashMap::new();
     let mut distinct: Vec<&[u32]> = Vec::new();
@@ -241,11 +247,9 @@ fn behaviours(
             })
         })
         .collect();
-    let worked_out: Vec<_> = distinct
-        .par_iter()
-        .map(|list| presence(list.iter().map(|&a| &activities[a as usize])))
-        .collect();
-    let mut known: HashMap<topout_schedule::Behaviour, BehaviourId> = HashMap::new();
+    let worked_out: Vec<_> =
+        distinct.par_iter().map(|list| presence_by_activities(activities, list)).collect();
+    let mut known: HashMap<Behaviour, BehaviourId> = HashMap::new();
     let mut behaviours = Vec::new();
     let ids: Vec<BehaviourId> = worked_out
         .into_iter()
@@ -272,7 +276,7 @@ fn note_unlinked(scene: &mut Scene) {
         // What says nothing of presence needs no element.
         if !touched && activity.kind != ActivityKind::Neutral {
             let Activity { id, name, .. } = activity;
-            scene.diagnostics.add(Severity::Warning, "unlinked-activity", id.as_str(), || {
+            scene.link_diagnostics.add(Severity::Warning, "unlinked-activity", id.as_str(), || {
                 let place = scene.schedule.place(a);
                 format!("{place}: activity {id:?} ({name}) is linked to no element")
             });
@@ -282,7 +286,7 @@ fn note_unlinked(scene: &mut Scene) {
         let id = ElementId(i as u32);
         if scene.activity_starts[id.index()] == scene.activity_starts[id.index() + 1] {
             let name = if element.name.is_empty() { &element.label } else { &element.name };
-            scene.diagnostics.add(Severity::Info, "unlinked-element", name.as_str(), || {
+            scene.link_diagnostics.add(Severity::Info, "unlinked-element", name.as_str(), || {
                 format!("element {name:?} has no activity and is always there")
             });
         }
@@ -293,7 +297,7 @@ fn note_unlinked(scene: &mut Scene) {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use topout_schedule::{Behaviour, Time};
+    use topout_schedule::Time;
 
     fn element(name: &str, guid: Option<&str>, group: Option<u32>) -> Element {
         Element {

@@ -3,6 +3,7 @@
 use crate::{Aabb, Mesh};
 use glam::{Affine3A, DVec3};
 use std::ops::Range;
+use std::sync::Arc;
 use topout_schedule::{Behaviour, Diagnostics, Schedule, Time};
 
 macro_rules! id {
@@ -134,8 +135,8 @@ impl Model {
 /// A model linked to a schedule: S(t) of H1. Immutable after load.
 #[derive(Clone, Debug, Default)]
 pub struct Scene {
-    /// Geometry and names.
-    pub model: Model,
+    /// Geometry and names; shared by the scenes that differ in their schedule alone.
+    pub model: Arc<Model>,
     /// Merged and validated activities.
     pub schedule: Schedule,
     /// Distinct behaviours; elements share them.
@@ -147,11 +148,21 @@ pub struct Scene {
     pub activity_starts: Vec<u32>,
     /// See `activity_starts`.
     pub activity_links: Vec<u32>,
+    /// What linking found.
+    pub link_diagnostics: Diagnostics,
     /// Everything found while importing, reading and linking.
     pub diagnostics: Diagnostics,
 }
 
 impl Scene {
+    /// Puts together what importing, reading and linking found, in that order.
+    pub(crate) fn collect_diagnostics(&mut self) {
+        let mut all = self.model.diagnostics.clone();
+        all.append(self.schedule.diagnostics.clone());
+        all.append(self.link_diagnostics.clone());
+        self.diagnostics = all;
+    }
+
     /// The behaviour of an element.
     pub fn behaviour(&self, element: ElementId) -> &Behaviour {
         &self.behaviours[self.element_behaviour[element.index()].index()]

@@ -4,7 +4,19 @@ use chrono::{NaiveDate, NaiveDateTime, NaiveTime};
 use std::fmt;
 
 /// A civil instant: whole seconds since 1970-01-01T00:00:00, without a zone.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Default)]
+#[derive(
+    Clone,
+    Copy,
+    PartialEq,
+    Eq,
+    PartialOrd,
+    Ord,
+    Hash,
+    Debug,
+    Default,
+    serde::Serialize,
+    serde::Deserialize,
+)]
 pub struct Time(i64);
 
 /// Why a text is not a date.

@@ -79,18 +79,17 @@ pub fn at(x: f32, y: f32, z: f32) -> Affine3A {
 
 /// One element per part.
 pub fn scene(parts: Vec<Part>) -> Arc<Scene> {
-    let mut scene = Scene {
-        model: Model { materials: materials(), ..Default::default() },
-        ..Default::default()
-    };
+    let mut model = Model { materials: materials(), ..Default::default() };
+    let mut scene = Scene::default();
     for (i, part) in (0u32..).zip(parts) {
         let bounds = part.mesh.bounds.transformed(&part.place);
-        scene.model.meshes.push(part.mesh);
-        scene.model.instances.push(Instance { mesh: MeshId(i), world_from_mesh: part.place });
-        scene.model.elements.push(Element { instances: i..i + 1, bounds, ..Default::default() });
+        model.meshes.push(part.mesh);
+        model.instances.push(Instance { mesh: MeshId(i), world_from_mesh: part.place });
+        model.elements.push(Element { instances: i..i + 1, bounds, ..Default::default() });
         scene.element_behaviour.push(BehaviourId(i));
         scene.behaviours.push(part.behaviour);
     }
+    scene.model = Arc::new(model);
     Arc::new(scene)
 }
 

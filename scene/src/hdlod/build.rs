@@ -3,13 +3,13 @@
 use super::cover::simplify;
 use super::grouping::group;
 use super::ladder::Ladder;
-use super::presence::PresenceTable;
+use super::presence::{PresenceTable, presence_weight};
 use super::soup::{Geometry, Palette, Triangle, append_instance};
-use super::{Cluster, Hdlod, LevelStats, Node, Settings, Temporal};
+use super::{Cluster, Hdlod, LevelStats, MAX_STEPS, Node, Settings, Temporal};
 use crate::{Aabb, Cancelled, ElementId, Progress, Scene};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use topout_schedule::{Behaviour, StepFunction};
+use topout_schedule::{Behaviour, BoundedStep, StepFunction};
 
 /// A cluster is measured against those descendants whose own error is at most this share of its
 /// threshold: the chain of H5 then spends little, and the work stays that of a few levels. On a
@@ -36,6 +36,7 @@ struct Draft {
     weight: f64,
     triangles: usize,
     leaves: u32,
+    /// Exact while the node is active, nothing afterwards.
     presence: StepFunction,
     cluster: Option<Box<Inner>>,
 }
@@ -43,6 +44,7 @@ struct Draft {
 struct Inner {
     children: Vec<u32>,
     geometry: Geometry,
+    presence: BoundedStep,
     level: u32,
 }
 
@@ -87,6 +89,7 @@ pub fn build(scene: &Scene, settings: &Settings, progress: &Progress) -> Result<
             let inner = draft.cluster.as_ref().expect("merging makes clusters");
             for &child in &inner.children {
                 passive[child as usize] = true;
+                drafts[child as usize].presence = StepFunction::default();
             }
             parents.push(drafts.len() as u32);
             drafts.push(draft);
@@ -107,12 +110,12 @@ pub fn build(scene: &Scene, settings: &Settings, progress: &Progress) -> Result<
 
 /// One leaf an element that is ever present (H4): its own behaviour, no error.
 fn leaves(scene: &Scene) -> Vec<Draft> {
-    let functions: Vec<StepFunction> = scene.behaviours.iter().map(StepFunction::from).collect();
     let mut result = Vec::with_capacity(scene.model.elements.len());
     for (i, element) in scene.model.elements.iter().enumerate() {
         let id = ElementId(i as u32);
         let behaviour = scene.element_behaviour[i];
-        let never = scene.behaviours[behaviour.index()] == Behaviour::never();
+        let behaviour = &scene.behaviours[behaviour.index()];
+        let never = *behaviour == Behaviour::never();
         let triangles = scene.model.triangles_of(element);
         if never || triangles == 0 {
             continue;
@@ -126,7 +129,7 @@ fn leaves(scene: &Scene) -> Vec<Draft> {
             weight: f64::from(element.bounds.diameter()),
             triangles,
             leaves: 1,
-            presence: functions[behaviour.index()].clone(),
+            presence: StepFunction::of(behaviour, presence_weight(element)),
             cluster: None,
         });
     }
@@ -193,7 +196,7 @@ fn merge(ground: &Ground, level: u32, drafts: &[Draft], children: Vec<u32>) -> O
     let members = || children.iter().map(|&i| &drafts[i as usize]);
 
     // H6, H7: the mean behaviour and how far its parts are from it.
-    let presence = StepFunction::weighted_mean(members().map(|d| (d.weight, &d.presence)));
+    let presence = StepFunction::sum(members().map(|d| &d.presence));
     let period = ground.scene.schedule.period;
     let gamma = members()
         .map(|d| d.gamma + presence.mean_difference(&d.presence, period))
@@ -231,8 +234,13 @@ fn merge(ground: &Ground, level: u32, drafts: &[Draft], children: Vec<u32>) -> O
         weight: members().map(|d| d.weight).sum(),
         triangles: after,
         leaves: members().map(|d| d.leaves).sum(),
+        cluster: Some(Box::new(Inner {
+            children,
+            geometry,
+            presence: BoundedStep::new(&presence, MAX_STEPS),
+            level,
+        })),
         presence,
-        cluster: Some(Box::new(Inner { children, geometry, level })),
     })
 }
 
@@ -290,7 +298,7 @@ fn finish(
             eps: draft.eps,
             gamma: draft.gamma,
             weight: draft.weight,
-            presence: draft.presence,
+            presence: inner.presence,
             level: inner.level,
             leaves: draft.leaves,
             first_index: result.indices.len() as u32,

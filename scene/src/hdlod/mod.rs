@@ -33,12 +33,12 @@ mod soup;
 mod tests;
 
 pub use build::build;
-pub use select::{delta_m, select};
+pub use select::{delta_m, draws_part, select};
 pub use soup::Run;
 
 use crate::{Aabb, ElementId, Layer, Vertex};
 use std::ops::Range;
-use topout_schedule::StepFunction;
+use topout_schedule::BoundedStep;
 
 /// Which promise a tree makes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -65,6 +65,11 @@ pub enum Node {
     /// An index into [`Hdlod::clusters`].
     Cluster(u32),
 }
+
+/// Most instants at which the presence of one cluster may change (R13). On the demo (mode paper, the
+/// dates 1/3 and 2/3 and the three coverages) the cuts are the same with 32 as without a limit, with
+/// 8 they draw up to 0.5 % more triangles; 64 would save a look at 0.3 % of the nodes.
+pub const MAX_STEPS: usize = 32;
 
 /// The tree. The geometry of all clusters lies in one vertex and one index table.
 #[derive(Clone, Debug, Default)]
@@ -102,8 +107,9 @@ pub struct Cluster {
     pub gamma: f64,
     /// w_c in metres: the sum of the diameters of the elements below (R2).
     pub weight: f64,
-    /// f_c: the weighted share of the elements below that is present (H7).
-    pub presence: StepFunction,
+    /// f_c: the weighted share of the elements below that is present (H7), with at most
+    /// [`MAX_STEPS`] steps (R13).
+    pub presence: BoundedStep,
     /// The level that made it, from 1.
     pub level: u32,
     /// Number of elements below.
@@ -192,8 +198,7 @@ impl Hdlod {
             stats.depth = stats.depth.max(depth);
             stats.max_degree = stats.max_degree.max(cluster.children.len());
             let runs: usize = cluster.layers.iter().map(|l| l.runs.len()).sum();
-            stats.behaviour_bytes += runs * size_of::<Run>()
-                + cluster.presence.values().len() * (size_of::<i64>() + size_of::<f32>());
+            stats.behaviour_bytes += runs * size_of::<Run>() + cluster.presence.heap_bytes();
         }
         stats.triangles = self.indices.len() / 3;
         if let Some(Node::Cluster(root)) = self.root {

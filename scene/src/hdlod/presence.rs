@@ -1,7 +1,14 @@
 //! Which behaviour may stand in for which: the temporal half of the certificate (R11).
 
-use crate::BehaviourId;
+use crate::{BehaviourId, Element};
 use topout_schedule::{Behaviour, Time};
+
+/// w of an element in [`topout_schedule::StepFunction`]: the diameter of its box (R2) in whole
+/// micrometres, at most 1,000 km, so that the sum of a million elements has room.
+pub(crate) fn presence_weight(element: &Element) -> u64 {
+    const LARGEST_M: f64 = 1e6;
+    (f64::from(element.bounds.diameter()).min(LARGEST_M) * 1e6) as u64
+}
 
 /// The interval around all presence of a behaviour.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

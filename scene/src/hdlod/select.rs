@@ -2,17 +2,23 @@
 
 use super::{Cluster, Hdlod, Node, Selection, Span, Temporal};
 use crate::{Containment, ElementId, Frustum, Layer, Scene, View};
-use topout_schedule::Time;
+use topout_schedule::{Share, Time};
 
-/// delta_c(t) of H8 in metres, with the additive w of R2: what drawing (f >= 1/2) or leaving out
-/// (f < 1/2) the cluster gets wrong, by the paper's figure of merit.
-pub fn delta_m(cluster: &Cluster, share_present: f32) -> f32 {
-    let missing = |share: f32| cluster.eps + (f64::from(share) * cluster.weight) as f32;
-    match share_present {
-        f if f <= 0.0 => 0.0,
-        f if f >= 1.0 => cluster.eps,
-        f if f >= 0.5 => missing(1.0 - f),
-        f => missing(f),
+/// Whether mode paper draws a cluster that is good enough, or leaves it out (R1): the smaller of
+/// what drawing gets wrong, judged by the smallest share that may be present, and of what leaving
+/// out gets wrong, judged by the largest (R13). Of a share that is known: f >= 1/2.
+pub fn draws_part(share: Share) -> bool {
+    f64::from(share.lo) + f64::from(share.hi) >= 1.0
+}
+
+/// delta_c(t) of H8 in metres, with the additive w of R2: what drawing or leaving out the cluster,
+/// as [`draws_part`] says, gets wrong at most by the paper's figure of merit. Of a share that is
+/// known this is H8 as printed.
+pub fn delta_m(cluster: &Cluster, share: Share) -> f32 {
+    let wrong = if draws_part(share) { 1.0 - share.lo } else { share.hi };
+    match share.hi {
+        hi if hi <= 0.0 => 0.0,
+        _ => cluster.eps + (f64::from(wrong) * cluster.weight) as f32,
     }
 }
 
@@ -20,7 +26,7 @@ pub fn delta_m(cluster: &Cluster, share_present: f32) -> f32 {
 ///
 /// Tight: a cluster is good enough when its eps is at most the tolerance on the picture; what it
 /// draws then is exact in time (R11). Paper: delta decides, and the cluster is drawn whole or
-/// left out (R1). A leaf that is present is drawn (R6).
+/// left out (R1, R13). A leaf that is present is drawn (R6).
 pub fn select(scene: &Scene, hdlod: &Hdlod, view: &View, time: Time) -> Selection {
     let mut walk =
         Walk { scene, hdlod, view, frustum: view.frustum(), time, out: Selection::default() };
@@ -63,7 +69,8 @@ impl Walk<'_> {
 
     fn cluster(&mut self, cluster: &Cluster, mut inside: bool) {
         let share = cluster.presence.at(self.time);
-        if share <= 0.0 {
+        // R13: absent for sure. Where the share is not known a cluster that draws nothing is looked at.
+        if share.hi <= 0.0 {
             return;
         }
         if !inside {
@@ -88,7 +95,7 @@ impl Walk<'_> {
         self.draw(cluster, share);
     }
 
-    fn draw(&mut self, cluster: &Cluster, share: f32) {
+    fn draw(&mut self, cluster: &Cluster, share: Share) {
         let before = self.out.spans.len();
         for (runs, layer) in cluster.layers.iter().zip([Layer::Opaque, Layer::Transparent]) {
             let mut emit = |from: u32, to: u32| {
@@ -102,7 +109,7 @@ impl Walk<'_> {
             };
             match self.hdlod.temporal {
                 Temporal::Tight => runs.present(&self.scene.behaviours, self.time, emit),
-                Temporal::Paper if share >= 0.5 && runs.start < runs.end() => {
+                Temporal::Paper if draws_part(share) && runs.start < runs.end() => {
                     emit(runs.start, runs.end())
                 }
                 Temporal::Paper => {}

@@ -10,7 +10,7 @@ use crate::{
 use glam::{Affine3A, Quat, UVec2, Vec3};
 use proptest::prelude::*;
 use std::collections::BTreeSet;
-use topout_schedule::{Behaviour, Schedule, Time, TimeRange};
+use topout_schedule::{Behaviour, Schedule, Share, Time, TimeRange};
 
 const END: i64 = 100;
 
@@ -87,7 +87,7 @@ fn scene_of(parts: &[Part], behaviours: &[Behaviour]) -> Scene {
         element_behaviour: parts.iter().map(|p| BehaviourId(p.behaviour as u32)).collect(),
         schedule: Schedule { period, ..Schedule::default() },
         behaviours: behaviours.to_vec(),
-        model,
+        model: model.into(),
         ..Scene::default()
     }
 }
@@ -240,7 +240,8 @@ proptest! {
                 let there = leaves.iter().filter(|id| scene.behaviour(**id).at(time));
                 let count = there.clone().count();
                 let share = there.map(diameter).sum::<f64>() / weight;
-                let f = cluster.presence.at(time);
+                let Share { lo: f, hi } = cluster.presence.at(time);
+                prop_assert_eq!(f, hi, "so few behaviours are known exactly");
                 prop_assert!((f64::from(f) - share).abs() < 1e-5);
                 prop_assert_eq!(f == 0.0, count == 0);
                 prop_assert_eq!(f == 1.0, count == leaves.len());
@@ -251,7 +252,7 @@ proptest! {
                     .map(|s| {
                         let t = Time::from_seconds(s);
                         let leaf = if scene.behaviour(*id).at(t) { 1.0 } else { 0.0 };
-                        (f64::from(cluster.presence.at(t)) - leaf).abs()
+                        (f64::from(cluster.presence.at(t).lo) - leaf).abs()
                     })
                     .sum();
                 prop_assert!(cluster.gamma + 1e-5 >= steps / END as f64);
@@ -296,7 +297,8 @@ proptest! {
     fn delta_follows_its_four_branches(scene in scene(), time in 0..END) {
         let hdlod = built(&scene, Temporal::Paper);
         for cluster in &hdlod.clusters {
-            let f = cluster.presence.at(Time::from_seconds(time));
+            let share = cluster.presence.at(Time::from_seconds(time));
+            let f = share.lo;
             let expected = if f == 0.0 {
                 0.0
             } else if f == 1.0 {
@@ -306,7 +308,7 @@ proptest! {
             } else {
                 f64::from(cluster.eps) + f64::from(f) * cluster.weight
             };
-            let delta = f64::from(delta_m(cluster, f));
+            let delta = f64::from(delta_m(cluster, share));
             prop_assert!((delta - expected).abs() <= 1e-4 * expected.max(1.0));
         }
     }

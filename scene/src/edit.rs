@@ -1,0 +1,223 @@
+//! Other dates for the same model: a scene whose activities were moved.
+
+use crate::link::presence_by_activities;
+use crate::{BehaviourId, ElementId, Scene};
+use std::collections::HashMap;
+use std::sync::Arc;
+use topout_schedule::{Activity, Behaviour, Schedule, TimeRange};
+
+/// A scene made of another one by an edit of its schedule.
+///
+/// Behaviours keep their ids and new ones are appended, so a tree that was built for the scene
+/// before can be brought along by [`crate::Hdlod::restate`].
+#[derive(Clone, Debug)]
+pub struct Edited {
+    /// The scene with the new dates; shares the model.
+    pub scene: Scene,
+    /// The elements whose behaviour is another one now, in order.
+    pub changed: Vec<ElementId>,
+}
+
+/// Why activities cannot be moved.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum EditError {
+    /// There is no such activity.
+    #[error("there is no activity number {index}: the schedule has {count}")]
+    NoActivity {
+        /// The index that was asked for.
+        index: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// It would end before it starts.
+    #[error("activity {id:?} would end {} before its start {}", dates.end, dates.start)]
+    Reversed {
+        /// The activity's id.
+        id: String,
+        /// The dates that were asked for.
+        dates: TimeRange,
+    },
+}
+
+impl Scene {
+    /// Moves activities, given by their index in [`Schedule::activities`]; of several dates for one
+    /// activity the last count. The project's period stays, also where an activity leaves it.
+    ///
+    /// # Errors
+    /// When an activity does not exist or would end before it starts.
+    pub fn with_activity_dates(&self, moves: &[(usize, TimeRange)]) -> Result<Edited, EditError> {
+        let mut schedule = self.schedule.clone();
+        let count = schedule.activities.len();
+        for &(index, dates) in moves {
+            let activity =
+                schedule.activities.get_mut(index).ok_or(EditError::NoActivity { index, count })?;
+            if dates.end < dates.start {
+                return Err(EditError::Reversed { id: activity.id.clone(), dates });
+            }
+            (activity.start, activity.end) = (Some(dates.start), Some(dates.end));
+        }
+        Ok(self.rescheduled(schedule))
+    }
+
+    /// The same scene with a schedule whose activities are the same and in the same order and
+    /// differ in dates, names and fields at most; `None` for any other, which has to be linked.
+    pub fn with_schedule(&self, schedule: Schedule) -> Option<Edited> {
+        let alike = |a: &Activity, b: &Activity| {
+            a.id == b.id && a.kind == b.kind && a.active == b.active && a.elements == b.elements
+        };
+        let (ours, theirs) = (&self.schedule.activities, &schedule.activities);
+        (ours.len() == theirs.len() && ours.iter().zip(theirs).all(|(a, b)| alike(a, b)))
+            .then(|| self.rescheduled(schedule))
+    }
+
+    /// Works out anew the behaviours of the elements that activities with other dates touch.
+    fn rescheduled(&self, schedule: Schedule) -> Edited {
+        let pairs = self.schedule.activities.iter().zip(&schedule.activities);
+        let moved: Vec<bool> = pairs.map(|(a, b)| (a.start, a.end) != (b.start, b.end)).collect();
+        let mut table = Table::new(&self.behaviours);
+        let mut by_activities: HashMap<&[u32], BehaviourId> = HashMap::new();
+        let mut element_behaviour = self.element_behaviour.clone();
+        let mut changed = Vec::new();
+        for (i, own) in element_behaviour.iter_mut().enumerate() {
+            let id = ElementId(i as u32);
+            let activities = self.activities_of(id);
+            if !activities.iter().any(|&a| moved[a as usize]) {
+                continue;
+            }
+            let behaviour = *by_activities.entry(activities).or_insert_with(|| {
+                table.id_of(presence_by_activities(&schedule.activities, activities))
+            });
+            if *own != behaviour {
+                *own = behaviour;
+                changed.push(id);
+            }
+        }
+        let mut behaviours = self.behaviours.clone();
+        behaviours.extend(table.new);
+        let mut scene = Scene {
+            model: Arc::clone(&self.model),
+            schedule,
+            behaviours,
+            element_behaviour,
+            activity_starts: self.activity_starts.clone(),
+            activity_links: self.activity_links.clone(),
+            link_diagnostics: self.link_diagnostics.clone(),
+            diagnostics: Default::default(),
+        };
+        scene.collect_diagnostics();
+        Edited { scene, changed }
+    }
+}
+
+/// Behaviours by value; the new ones get ids after the old ones.
+struct Table<'a> {
+    old: HashMap<&'a Behaviour, BehaviourId>,
+    new_ids: HashMap<Behaviour, BehaviourId>,
+    new: Vec<Behaviour>,
+}
+
+impl<'a> Table<'a> {
+    fn new(old: &'a [Behaviour]) -> Self {
+        let old = old.iter().zip(0..).map(|(b, i)| (b, BehaviourId(i))).collect();
+        Self { old, new_ids: HashMap::new(), new: Vec::new() }
+    }
+
+    fn id_of(&mut self, behaviour: Behaviour) -> BehaviourId {
+        if let Some(&id) = self.old.get(&behaviour) {
+            return id;
+        }
+        let next = BehaviourId((self.old.len() + self.new.len()) as u32);
+        *self.new_ids.entry(behaviour).or_insert_with_key(|behaviour| {
+            self.new.push(behaviour.clone());
+            next
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::{Element, Model, link};
+    use proptest::prelude::*;
+    use topout_schedule::{ActivityKind, Diagnostics, Time};
+
+    fn range(start: i64, end: i64) -> TimeRange {
+        TimeRange { start: Time::from_seconds(start), end: Time::from_seconds(end) }
+    }
+
+    /// Elements `e0` to `e9`, each activity on some of them.
+    fn schedule(activities: &[(i64, i64, u8, Vec<u8>)]) -> Schedule {
+        let kinds = [ActivityKind::Construct, ActivityKind::Demolish, ActivityKind::Temporary];
+        let activities = activities.iter().enumerate().map(|(i, (start, length, kind, on))| {
+            let dates = range(*start, start + length);
+            Activity {
+                id: format!("a{i}"),
+                start: Some(dates.start),
+                end: Some(dates.end),
+                kind: kinds[usize::from(*kind)],
+                elements: on.iter().map(|e| format!("e{e}")).collect(),
+                ..Activity::default()
+            }
+        });
+        let period = Some(range(0, 100));
+        Schedule::new(String::new(), period, activities.collect(), Diagnostics::default())
+    }
+
+    fn model() -> Model {
+        let element = |i| Element { name: format!("e{i}"), ..Element::default() };
+        Model { elements: (0..10).map(element).collect(), ..Model::default() }
+    }
+
+    proptest! {
+        /// An edit gives what linking the edited schedule gives, and can be undone.
+        #[test]
+        fn moving_equals_linking_again(
+            activities in proptest::collection::vec(
+                (0i64..60, 0i64..20, 0u8..3, proptest::collection::vec(0u8..10, 0..4)), 1..12),
+            moves in proptest::collection::vec((0usize..12, 0i64..60, 0i64..20), 0..5),
+        ) {
+            let scene = link::link(model(), schedule(&activities));
+            let mut edited_rows = activities.clone();
+            let mut dates = Vec::new();
+            for &(activity, start, length) in moves.iter().filter(|m| m.0 < activities.len()) {
+                (edited_rows[activity].0, edited_rows[activity].1) = (start, length);
+                dates.push((activity, range(start, start + length)));
+            }
+            let linked = link::link(model(), schedule(&edited_rows));
+            let edited = scene.with_activity_dates(&dates).unwrap();
+            for e in (0..10).map(ElementId) {
+                prop_assert_eq!(edited.scene.behaviour(e), linked.behaviour(e));
+                let changed = scene.behaviour(e) != linked.behaviour(e);
+                prop_assert_eq!(edited.changed.contains(&e), changed);
+            }
+            let old = scene.behaviours.len();
+            prop_assert_eq!(&edited.scene.behaviours[..old], &scene.behaviours[..]);
+            let distinct: std::collections::HashSet<_> = edited.scene.behaviours.iter().collect();
+            prop_assert_eq!(distinct.len(), edited.scene.behaviours.len());
+
+            let undone = edited.scene.with_schedule(schedule(&activities)).unwrap();
+            prop_assert_eq!(&undone.scene.element_behaviour, &scene.element_behaviour);
+            prop_assert_eq!(&undone.changed, &edited.changed);
+        }
+    }
+
+    #[test]
+    fn what_cannot_be_moved_is_named() {
+        let scene = link::link(model(), schedule(&[(0, 5, 0, vec![1])]));
+        let error = scene.with_activity_dates(&[(7, range(0, 1))]).unwrap_err();
+        assert_eq!(error, EditError::NoActivity { index: 7, count: 1 });
+        let error = scene.with_activity_dates(&[(0, range(9, 3))]).unwrap_err();
+        assert!(error.to_string().contains("\"a0\""), "{error}");
+    }
+
+    #[test]
+    fn another_kind_or_other_elements_have_to_be_linked() {
+        let scene = link::link(model(), schedule(&[(0, 5, 0, vec![1])]));
+        assert!(scene.with_schedule(schedule(&[(3, 9, 0, vec![1])])).is_some());
+        for other in [(0, 5, 1, vec![1]), (0, 5, 0, vec![2]), (0, 5, 0, vec![])] {
+            assert!(scene.with_schedule(schedule(&[other])).is_none());
+        }
+        assert!(scene.with_schedule(schedule(&[])).is_none());
+    }
+}
