@@ -5,4 +5,5 @@ pub mod cli;
 pub mod flip;
 pub mod project;
 pub mod report;
+pub mod tree;
 pub mod window;

@@ -3,7 +3,7 @@
 use glam::{Affine3A, Vec2, Vec3};
 
 /// An axis-aligned box in metres; empty while `min > max`.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Aabb {
     /// Smallest corner.
     pub min: Vec3,

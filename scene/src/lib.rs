@@ -3,6 +3,7 @@
 //! Data flow: files -> [`Model`] -> [`Scene`] (linked to a schedule) -> [`Hdlod`] -> [`Selection`].
 //! Nothing here touches wgpu or egui.
 
+pub mod cache;
 pub mod demo;
 mod edit;
 pub mod export;

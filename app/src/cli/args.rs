@@ -53,6 +53,8 @@ pub enum Command {
     Render(Render),
     /// Measure the paper's table here.
     Bench(Bench),
+    /// List or clear the trees that were built before.
+    Cache(Cache),
 }
 
 /// How files are read.
@@ -122,6 +124,21 @@ impl Common {
     }
 }
 
+/// Whether trees that were built before are used.
+#[derive(Args, Debug, Clone, Copy)]
+pub struct Caching {
+    /// Build the tree even if it was built before, and do not keep it.
+    #[arg(long)]
+    pub no_cache: bool,
+}
+
+impl Caching {
+    /// The user's cache, unless none is wanted.
+    pub fn cache(self) -> Option<topout_scene::cache::Cache> {
+        if self.no_cache { None } else { crate::tree::user_cache() }
+    }
+}
+
 /// `topout demo`
 #[derive(Args, Debug)]
 pub struct Demo {
@@ -165,9 +182,9 @@ pub struct Bake {
     #[command(flatten)]
     pub common: Common,
 
-    /// Build the tree even if it was built before.
-    #[arg(long)]
-    pub no_cache: bool,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub caching: Caching,
 }
 
 /// `topout render`
@@ -200,6 +217,10 @@ pub struct Render {
     /// How much of the screen the building covers: 1/1, 1/4, 1/16 [default: 1/1].
     #[arg(long, value_name = "1/N", conflicts_with_all = ["eye", "target"])]
     pub coverage: Option<Coverage>,
+
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub caching: Caching,
 }
 
 /// `topout bench`
@@ -208,6 +229,31 @@ pub struct Bench {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub common: Common,
+
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub caching: Caching,
+}
+
+/// `topout cache`
+#[derive(Args, Debug)]
+pub struct Cache {
+    /// What to do.
+    #[arg(value_name = "ACTION")]
+    pub action: CacheAction,
+
+    /// Also write one JSON object to this file; - is standard output.
+    #[arg(long, value_name = "FILE")]
+    pub json: Option<PathBuf>,
+}
+
+/// What to do with the cache.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum CacheAction {
+    /// Say where it is and what lies in it.
+    List,
+    /// Remove all trees.
+    Clear,
 }
 
 /// Way of drawing.

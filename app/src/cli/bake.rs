@@ -2,12 +2,13 @@
 
 use super::{Outcome, args, load, stage};
 use crate::report::{Output, count, peak_rss_mb, rounded};
+use crate::tree::Baked;
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::fmt::Write;
 use std::sync::Arc;
-use std::time::Instant;
-use topout_scene::{Hdlod, Progress, Scene};
+use topout_scene::cache::Cache;
+use topout_scene::{Progress, Scene};
 
 /// The keys that scripts read.
 #[derive(Serialize, Debug)]
@@ -29,6 +30,8 @@ struct Report {
     peak_rss_mb: Option<f64>,
     cache_bytes: u64,
     cache_hit: bool,
+    /// Where trees are kept; none without a cache.
+    cache_folder: Option<String>,
     /// Seconds of each phase, in order.
     phases: Map<String, Value>,
 }
@@ -48,20 +51,25 @@ pub fn run(args: &args::Bake) -> anyhow::Result<Outcome> {
     let output = Output::new(args.common.json.clone());
     let loading = Arc::new(Progress::default());
     let scene = load(&args.common.request(), &loading)?;
+    let mut phases = stage::Phases::default();
+    phases.append(&loading);
     let baking = Arc::new(Progress::default());
-    let started = Instant::now();
-    let tree = stage::bake(&scene, &args.common, &baking)?;
-    let seconds = started.elapsed().as_secs_f64();
-    let report = Report::of(&scene, &tree, seconds, [&loading, &baking]);
+    let cache = args.caching.cache();
+    let mut baked = stage::bake(&scene, &args.common, cache.clone(), &baking)?;
+    phases.append(&baking);
+    if cache.is_some() && !baked.from_cache {
+        phases.time("cache: writing", || baked.keep());
+    }
+    let report = Report::of(&scene, &baked, cache.as_ref(), &phases);
     output.say(&report.text());
     output.write(&report)?;
     Ok(Outcome::Fine)
 }
 
 impl Report {
-    fn of(scene: &Scene, tree: &Hdlod, seconds: f64, work: [&Progress; 2]) -> Self {
+    fn of(scene: &Scene, baked: &Baked, cache: Option<&Cache>, phases: &stage::Phases) -> Self {
+        let tree = &baked.tree;
         let stats = tree.stats();
-        let phases = work.iter().flat_map(|p| p.phases());
         let levels = tree.levels.iter().map(|l| Level {
             level: l.level,
             eps_m: l.eps_m,
@@ -81,21 +89,21 @@ impl Report {
             geometry_bytes: stats.geometry_bytes,
             behaviour_bytes: stats.behaviour_bytes,
             level_table: levels.collect(),
-            seconds: rounded(seconds, 3),
+            seconds: rounded(baked.seconds, 3),
             peak_rss_mb: peak_rss_mb(),
-            cache_bytes: 0,
-            cache_hit: false,
-            phases: phases
-                .map(|(name, time)| (name, rounded(time.as_secs_f64(), 3).into()))
-                .collect(),
+            cache_bytes: baked.cache_bytes,
+            cache_hit: baked.from_cache,
+            cache_folder: cache.map(|c| c.folder().display().to_string()),
+            phases: phases.as_json(),
         }
     }
 
     fn text(&self) -> String {
         let mut text = format!(
-            "HDLOD of {} elements, {} triangles, built in {:.1} s\n",
+            "HDLOD of {} elements, {} triangles, {} in {:.1} s\n",
             count(self.elements),
             count(self.triangles),
+            if self.cache_hit { "taken from the cache" } else { "built" },
             self.seconds
         );
         let mut row = |key: &str, value: String| {
@@ -117,6 +125,15 @@ impl Report {
         if let Some(mb) = self.peak_rss_mb {
             row("peak memory", format!("{mb:.0} MB for the process"));
         }
+        let megabytes = self.cache_bytes as f64 / 1e6;
+        row(
+            "cache",
+            match (&self.cache_folder, self.cache_bytes) {
+                (None, _) => "not used".to_owned(),
+                (Some(folder), 0) => format!("not kept in {folder}"),
+                (Some(folder), _) => format!("{megabytes:.1} MB in {folder}"),
+            },
+        );
         text.push_str(&self.level_text());
         text.push_str("Phases (s)\n");
         for (name, seconds) in &self.phases {

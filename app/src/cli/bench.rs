@@ -20,6 +20,7 @@ struct Report {
     activities: usize,
     load_seconds: f64,
     bake_seconds: Option<f64>,
+    cache_hit: bool,
     empty_ms: f64,
     rss_mb: Option<f64>,
     gpu_mb: f64,
@@ -34,7 +35,8 @@ pub fn run(args: &args::Bench) -> anyhow::Result<Outcome> {
         Some(lod) => vec![lod.into()],
         None => vec![DrawMode::Hdlod, DrawMode::Batched, DrawMode::Objects],
     };
-    let mut stage = Stage::set(common, &modes)?;
+    let mut stage = Stage::set(common, &modes, args.caching.cache())?;
+    stage.keep_tree();
     let plan = Plan::new(common.size, common.tolerance);
     let progress = Arc::new(Progress::default());
     let (empty_ms, cells) = {
@@ -51,7 +53,8 @@ pub fn run(args: &args::Bench) -> anyhow::Result<Outcome> {
         triangles: model.triangle_count(),
         activities: stage.scene.schedule.activities.len(),
         load_seconds: rounded(stage.load_seconds, 3),
-        bake_seconds: stage.bake_seconds.map(|s| rounded(s, 3)),
+        bake_seconds: stage.bake_seconds(),
+        cache_hit: stage.cache_hit(),
         empty_ms,
         rss_mb: rss_mb(),
         gpu_mb: rounded(stage.renderer.gpu_bytes() as f64 / 1e6, 1),

@@ -3,6 +3,7 @@
 mod args;
 mod bake;
 mod bench;
+mod cache;
 mod check;
 mod demo;
 mod render;
@@ -45,6 +46,7 @@ pub fn run() -> ExitCode {
         Some(Command::Bake(args)) => bake::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Bench(args)) => bench::run(&args),
+        Some(Command::Cache(args)) => cache::run(&args),
         None => crate::window::run(Some(cli.viewer_request())).map(|()| Outcome::Fine),
     };
     match result {

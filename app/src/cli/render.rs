@@ -7,6 +7,7 @@ use crate::flip::rgb;
 use crate::report::{Output, grouped, rounded};
 use anyhow::Context;
 use serde::Serialize;
+use serde_json::{Map, Value};
 use std::path::Path;
 use std::time::{Duration, Instant};
 use topout_render::{FrameInput, FrameStats, Picture, Renderer};
@@ -24,6 +25,7 @@ struct Report {
     present_triangles: usize,
     load_seconds: f64,
     bake_seconds: Option<f64>,
+    cache_hit: bool,
     first_picture_seconds: f64,
     frame_ms: f64,
     select_ms: f64,
@@ -32,19 +34,25 @@ struct Report {
     triangles: u64,
     clusters: u64,
     worst_px: f32,
+    /// Seconds of each step to the first picture, in order.
+    phases: Map<String, Value>,
 }
 
 /// Draws, saves and reports. `started` is the start of the process.
 pub fn run(args: &args::Render, started: Instant) -> anyhow::Result<Outcome> {
     let output = Output::new(args.common.json.clone());
     let mode = args.common.lod.unwrap_or(args::Lod::Hdlod).into();
-    let mut stage = Stage::set(&args.common, &[mode])?;
+    let mut stage = Stage::set(&args.common, &[mode], args.caching.cache())?;
     let input = FrameInput { view: view(args, &stage.scene)?, time: args.at, mode };
-    stage.renderer.render(&input);
-    let picture = stage.renderer.read_back()?;
+    let renderer = &mut stage.renderer;
+    let picture = stage.phases.time("first picture", || {
+        renderer.render(&input);
+        renderer.read_back()
+    })?;
     let first_picture = started.elapsed();
     let (frame_ms, stats) = steady_frame(&mut stage.renderer, &input);
     save(&picture, &args.output)?;
+    stage.keep_tree();
     let report = Report::of(&stage, &input, args, first_picture, frame_ms, &stats);
     output.say(&report.text());
     output.write(&report)?;
@@ -113,7 +121,8 @@ impl Report {
             present_elements,
             present_triangles,
             load_seconds: rounded(stage.load_seconds, 3),
-            bake_seconds: stage.bake_seconds.map(|s| rounded(s, 3)),
+            bake_seconds: stage.bake_seconds(),
+            cache_hit: stage.cache_hit(),
             first_picture_seconds: rounded(first_picture.as_secs_f64(), 3),
             frame_ms: rounded(frame_ms, 3),
             select_ms: rounded(stats.select_ms, 3),
@@ -122,6 +131,7 @@ impl Report {
             triangles: stats.triangles,
             clusters: stats.clusters.into(),
             worst_px: stats.worst_px,
+            phases: stage.phases.as_json(),
         }
     }
 

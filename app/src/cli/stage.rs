@@ -1,12 +1,16 @@
 //! What `render` and `bench` share: a scene with its tree on a graphics adapter.
 
 use super::{args, load, terminal};
+use crate::report::rounded;
+use crate::tree::Baked;
 use anyhow::Context;
 use glam::DVec3;
+use serde_json::{Map, Value};
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use topout_render::{DrawMode, Gpu, Renderer};
-use topout_scene::{Hdlod, NamedView, Progress, Projection, Scene, View, hdlod};
+use topout_scene::cache::Cache;
+use topout_scene::{NamedView, Progress, Projection, Scene, View, hdlod};
 
 /// A scene that can be drawn.
 pub struct Stage {
@@ -18,38 +22,99 @@ pub struct Stage {
     pub scene: Arc<Scene>,
     /// From files to linked scene.
     pub load_seconds: f64,
-    /// From linked scene to finished tree; `None` where no tree was needed.
-    pub bake_seconds: Option<f64>,
+    /// The tree; `None` where none was needed.
+    pub baked: Option<Baked>,
+    /// How long each step took.
+    pub phases: Phases,
 }
 
 impl Stage {
-    /// Loads the project, finds an adapter, and builds the tree where `modes` need one.
+    /// Loads the project, finds an adapter, and takes the tree from the cache or builds it where
+    /// `modes` need one.
     ///
     /// # Errors
     /// A file that cannot be used; no adapter (before anything slow is done).
-    pub fn set(args: &args::Common, modes: &[DrawMode]) -> anyhow::Result<Self> {
-        let started = Instant::now();
-        let scene = Arc::new(load(&args.request(), &Arc::default())?);
+    pub fn set(
+        args: &args::Common,
+        modes: &[DrawMode],
+        cache: Option<Cache>,
+    ) -> anyhow::Result<Self> {
+        let mut phases = Phases::default();
+        let (loading, started) = (Arc::new(Progress::default()), Instant::now());
+        let scene = Arc::new(load(&args.request(), &loading)?);
+        phases.append(&loading);
         let load_seconds = started.elapsed().as_secs_f64();
-        let gpu = Gpu::headless()?;
-        let mut renderer = Renderer::new(&gpu);
-        renderer.set_scene(&scene).context("cannot bring the scene onto the GPU")?;
-        let mut bake_seconds = None;
+        let gpu = phases.time("graphics: adapter", Gpu::headless)?;
+        let mut renderer = phases.time("graphics: shaders", || Renderer::new(&gpu));
+        phases
+            .time("graphics: scene", || renderer.set_scene(&scene))
+            .context("cannot bring the scene onto the GPU")?;
+        let mut baked = None;
         if modes.contains(&DrawMode::Hdlod) {
-            let started = Instant::now();
-            let tree = Arc::new(bake(&scene, args, &Arc::default())?);
-            bake_seconds = Some(started.elapsed().as_secs_f64());
-            renderer.set_hdlod(&tree).context("cannot bring the HDLOD tree onto the GPU")?;
+            let progress = Arc::default();
+            let tree = bake(&scene, args, cache, &progress)?;
+            phases.append(&progress);
+            phases
+                .time("graphics: tree", || renderer.set_hdlod(&tree.tree))
+                .context("cannot bring the HDLOD tree onto the GPU")?;
+            baked = Some(tree);
         }
-        Ok(Self { gpu, renderer, scene, load_seconds, bake_seconds })
+        Ok(Self { gpu, renderer, scene, load_seconds, baked, phases })
+    }
+
+    /// From linked scene to tree, in seconds.
+    pub fn bake_seconds(&self) -> Option<f64> {
+        self.baked.as_ref().map(|b| rounded(b.seconds, 3))
+    }
+
+    /// Whether the tree came out of the cache.
+    pub fn cache_hit(&self) -> bool {
+        self.baked.as_ref().is_some_and(|b| b.from_cache)
+    }
+
+    /// Brings a tree that was built into the cache.
+    pub fn keep_tree(&mut self) {
+        if let Some(baked) = &mut self.baked {
+            baked.keep();
+        }
     }
 }
 
-/// Builds the tree with a progress line on the terminal.
-pub fn bake(scene: &Scene, args: &args::Common, progress: &Arc<Progress>) -> anyhow::Result<Hdlod> {
+/// The steps of some work and how long each took, in order.
+#[derive(Clone, PartialEq, Debug, Default)]
+pub struct Phases(Vec<(String, Duration)>);
+
+impl Phases {
+    /// Does one step.
+    pub fn time<T>(&mut self, step: &str, work: impl FnOnce() -> T) -> T {
+        let started = Instant::now();
+        let result = work();
+        self.0.push((step.to_owned(), started.elapsed()));
+        result
+    }
+
+    /// Appends what a worker reported.
+    pub fn append(&mut self, progress: &Progress) {
+        self.0.extend(progress.phases());
+    }
+
+    /// Seconds by name.
+    pub fn as_json(&self) -> Map<String, Value> {
+        let seconds = |time: &Duration| rounded(time.as_secs_f64(), 3).into();
+        self.0.iter().map(|(name, time)| (name.clone(), seconds(time))).collect()
+    }
+}
+
+/// Takes the tree from the cache or builds it, with a progress line on the terminal.
+pub fn bake(
+    scene: &Scene,
+    args: &args::Common,
+    cache: Option<Cache>,
+    progress: &Arc<Progress>,
+) -> anyhow::Result<Baked> {
     let _line = terminal::ProgressLine::show(progress);
     let settings = hdlod::Settings { temporal: args.temporal.into() };
-    Ok(hdlod::build(scene, &settings, progress)?)
+    Ok(Baked::new(scene, &settings, &args.request(), cache, progress)?)
 }
 
 /// The camera that `render`'s options describe.

@@ -18,7 +18,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let Some(project) = &state.project else { return };
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match state.selected {
         Some(element) => element_panel(ui, state, project, element, commands),
-        None => project_panel(ui, project),
+        None => project_panel(ui, state, project),
     });
 }
 
@@ -35,7 +35,7 @@ fn rows(ui: &mut Ui, id: &str, add: impl FnOnce(&mut Ui)) {
     egui::Grid::new(id).num_columns(2).min_col_width(72.0).spacing([8.0, 4.0]).show(ui, add);
 }
 
-fn project_panel(ui: &mut Ui, project: &Project) {
+fn project_panel(ui: &mut Ui, state: &AppState, project: &Project) {
     let scene = &project.scene;
     ui.heading(project.name());
     ui.add_space(4.0);
@@ -48,6 +48,10 @@ fn project_panel(ui: &mut Ui, project: &Project) {
         row(ui, "Linked", &format!("{} ({share:.1} %)", grouped(project.linked as u64)));
         row(ui, "Start", &short_date(scene.schedule.period.start));
         row(ui, "End", &short_date(scene.schedule.period.end));
+        if let Some(cache) = &state.cache {
+            row(ui, "Tree", state.tree_origin.unwrap_or_default());
+            row(ui, "Cache", &cache.folder().display().to_string());
+        }
     });
     ui.add_space(12.0);
     let hint = format!(

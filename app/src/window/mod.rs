@@ -25,6 +25,7 @@ pub use table::Table;
 pub use theme::Scheme;
 
 use crate::project::Request;
+use crate::tree::user_cache;
 use anyhow::Context as _;
 use egui::{CentralPanel, Frame, Margin, Panel as Side, Ui, ViewportCommand};
 use state::Effect;
@@ -56,8 +57,11 @@ pub fn run(request: Option<Request>) -> anyhow::Result<()> {
         },
         ..Default::default()
     };
-    let create: eframe::AppCreator<'_> =
-        Box::new(move |context| Ok(Box::new(Window::new(context, request)?)));
+    let create: eframe::AppCreator<'_> = Box::new(move |context| {
+        let mut window = Window::new(context, request)?;
+        window.state.cache = user_cache();
+        Ok(Box::new(window))
+    });
     eframe::run_native("topout", options, create).map_err(|error| match error {
         eframe::Error::Wgpu(egui_wgpu::WgpuError::RequestAdapterError(error)) => {
             GpuError::NoAdapter(error.to_string()).into()
@@ -85,7 +89,8 @@ pub struct Window {
 }
 
 impl Window {
-    /// Sets up looks and renderer; starts loading what is requested.
+    /// Sets up looks and renderer; starts loading what is requested. Trees are not kept until
+    /// [`AppState::cache`] is set.
     ///
     /// # Errors
     /// When eframe runs on something other than wgpu.

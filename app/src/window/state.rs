@@ -9,10 +9,13 @@ use super::table::Table;
 use super::theme::Scheme;
 use crate::project::{self, Request, Source};
 use crate::report::describe;
+use crate::tree::Baked;
 use glam::{UVec2, Vec3};
 use std::path::PathBuf;
 use std::sync::Arc;
+use std::thread::JoinHandle;
 use topout_render::DrawMode;
+use topout_scene::cache::Cache;
 use topout_scene::{Cancelled, ElementId, Hdlod, NamedView, Scene, hdlod};
 use topout_schedule::{Time, TimeRange};
 
@@ -27,11 +30,23 @@ pub enum Tree {
     /// There is no scene.
     None,
     /// A worker is at it.
-    Building(Job<Result<Hdlod, Cancelled>>),
+    Building(Job<Result<Baked, Cancelled>>),
     /// Ready to draw.
     Ready(Arc<Hdlod>),
     /// The user stopped it, or its thread could not run.
     Stopped,
+}
+
+/// A tree on its way into the cache; waited for when the window closes.
+struct Keeping(Option<JoinHandle<()>>);
+
+impl Drop for Keeping {
+    fn drop(&mut self) {
+        if let Some(thread) = self.0.take() {
+            // A panic of the thread was reported on standard error; the tree is built again then.
+            let _ = thread.join();
+        }
+    }
 }
 
 /// Which panels are unfolded.
@@ -83,6 +98,11 @@ pub struct AppState {
     pub project: Option<Arc<Project>>,
     /// Its tree.
     pub tree: Tree,
+    /// Where trees are kept; none where there is no cache.
+    pub cache: Option<Cache>,
+    /// Where the tree came from; none while there is none.
+    pub tree_origin: Option<&'static str>,
+    keeping: Option<Keeping>,
     /// What is being loaded, and its name.
     pub loading: Option<(String, Job<anyhow::Result<Project>>)>,
     dialog: Option<(Ask, Job<Answer>)>,
@@ -131,6 +151,9 @@ impl AppState {
             wake,
             project: None,
             tree: Tree::None,
+            cache: None,
+            tree_origin: None,
+            keeping: None,
             loading: None,
             dialog: None,
             waiting_schedules: Vec::new(),
@@ -300,9 +323,12 @@ impl AppState {
         if let Tree::Building(job) = &self.tree {
             match job.poll() {
                 Outcome::Pending => {}
-                Outcome::Done(Ok(tree)) => {
-                    self.tree = Tree::Ready(Arc::new(tree));
+                Outcome::Done(Ok(baked)) => {
+                    self.tree = Tree::Ready(Arc::clone(&baked.tree));
+                    self.tree_origin =
+                        Some(if baked.from_cache { "taken from the cache" } else { "built" });
                     self.frames.clear();
+                    self.keep(baked);
                 }
                 Outcome::Done(Err(Cancelled)) => self.tree = Tree::Stopped,
                 Outcome::Died => {
@@ -373,9 +399,11 @@ impl AppState {
 
     fn build_tree(&mut self) {
         let Some(project) = &self.project else { return };
-        let scene = Arc::clone(&project.scene);
+        let (scene, request) = (Arc::clone(&project.scene), project.request.clone());
+        let cache = self.cache.clone();
+        self.tree_origin = None;
         let work = move |progress: &topout_scene::Progress| {
-            hdlod::build(&scene, &hdlod::Settings::default(), progress)
+            Baked::new(&scene, &hdlod::Settings::default(), &request, cache, progress)
         };
         self.tree = match Job::spawn("topout-hdlod", Arc::clone(&self.wake), work) {
             Ok(job) => Tree::Building(job),
@@ -384,6 +412,16 @@ impl AppState {
                 Tree::Stopped
             }
         };
+    }
+
+    /// Writes a new tree into the cache on a thread of its own: nobody waits for it, and where it
+    /// does not come to its end the tree is built again the next time.
+    fn keep(&mut self, mut baked: Baked) {
+        if !baked.from_cache {
+            let work = move || baked.keep();
+            let thread = std::thread::Builder::new().name("topout-cache".to_owned()).spawn(work);
+            self.keeping = thread.ok().map(|thread| Keeping(Some(thread)));
+        }
     }
 
     fn load(&mut self, request: Request) {

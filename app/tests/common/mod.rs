@@ -23,6 +23,8 @@ pub fn topout<S: AsRef<OsStr>>(args: impl IntoIterator<Item = S>) -> Run {
 pub fn command<S: AsRef<OsStr>>(args: impl IntoIterator<Item = S>) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_topout"));
     command.args(args).env_remove("RUST_LOG").env("RUST_BACKTRACE", "0");
+    // Neither the user's cache nor another test's.
+    command.env("TOPOUT_CACHE_DIR", "").env_remove("TOPOUT_CACHE_LIMIT_MB");
     command
 }
 

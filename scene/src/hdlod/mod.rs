@@ -30,18 +30,24 @@ mod presence;
 mod select;
 mod soup;
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
+mod validate;
 
 pub use build::build;
 pub use select::{delta_m, draws_part, select};
 pub use soup::Run;
 
 use crate::{Aabb, ElementId, Layer, Vertex};
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use topout_schedule::BoundedStep;
 
+/// Counts up whenever [`build`] gives another tree for the same scene and settings: trees that an
+/// earlier version left in the cache are then built anew.
+pub const ALGORITHM: u32 = 1;
+
 /// Which promise a tree makes.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub enum Temporal {
     /// Every triangle is drawn exactly while what it stands for is present (R11).
     #[default]
@@ -51,14 +57,14 @@ pub enum Temporal {
 }
 
 /// What a build depends on besides the scene.
-#[derive(Clone, Copy, PartialEq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Debug, Default, Serialize)]
 pub struct Settings {
     /// Which promise is made.
     pub temporal: Temporal,
 }
 
 /// A node of the tree.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 pub enum Node {
     /// An element, drawn exactly.
     Leaf(ElementId),
@@ -72,13 +78,16 @@ pub enum Node {
 pub const MAX_STEPS: usize = 32;
 
 /// The tree. The geometry of all clusters lies in one vertex and one index table.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, PartialEq, Debug, Default, Serialize, Deserialize)]
 pub struct Hdlod {
     /// The promise that it was built for.
     pub temporal: Temporal,
+    // The cache keeps the two large tables apart from the rest.
     /// Vertices of all clusters, local space (metres from the model's origin).
+    #[serde(skip)]
     pub vertices: Vec<Vertex>,
     /// Indices of all clusters, three a triangle, relative to [`Cluster::base_vertex`].
+    #[serde(skip)]
     pub indices: Vec<u32>,
     /// Inner nodes, children before parents.
     pub clusters: Vec<Cluster>,
@@ -94,7 +103,7 @@ pub struct Hdlod {
 ///
 /// Rule of selection ([`select`]): it is drawn in place of everything below it when
 /// [`crate::View::error_px`] of its `eps` (or delta) and `bounds` is within the tolerance.
-#[derive(Clone, Debug)]
+#[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Cluster {
     /// Its children, a range of [`Hdlod::children`].
     pub children: Range<u32>,
@@ -145,7 +154,7 @@ impl Cluster {
 }
 
 /// What one level of the build did.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug, Serialize, Deserialize)]
 pub struct LevelStats {
     /// From 1.
     pub level: u32,

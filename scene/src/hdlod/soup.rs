@@ -65,7 +65,7 @@ pub(crate) fn append_instance(
 }
 
 /// Triangles of one behaviour in a cluster's index table, `end` being one past the last.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Run {
     /// When these triangles are drawn: exactly while this behaviour is present (R11).
     pub behaviour: BehaviourId,
@@ -82,7 +82,7 @@ pub struct Run {
 /// Rule: runs `[..installed]` stay to the end once they came and are sorted by `on` rising, so
 /// those present at t are a prefix; runs `[installed..removed]` were there from the beginning
 /// and are sorted by `off` falling, again a prefix; the rest is asked one by one.
-#[derive(Clone, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(crate) struct LayerRuns {
     pub runs: Vec<Run>,
     pub installed: usize,
@@ -92,6 +92,22 @@ pub(crate) struct LayerRuns {
 }
 
 impl LayerRuns {
+    /// Whether the rule above holds and the runs follow each other from `first` on in whole
+    /// triangles. Returns one past the last index.
+    pub fn check(&self, first: u32, behaviours: usize) -> Option<u32> {
+        let ordered = self.installed <= self.removed && self.removed <= self.runs.len();
+        let mut end = first;
+        let known = self.runs.iter().all(|run| {
+            let follows = end <= run.end && (run.end - end).is_multiple_of(3);
+            end = run.end;
+            follows && run.behaviour.index() < behaviours
+        });
+        let sorted = ordered
+            && self.runs[..self.installed].is_sorted_by_key(|r| r.on)
+            && self.runs[self.installed..self.removed].is_sorted_by(|a, b| a.off >= b.off);
+        (self.start == first && known && sorted).then_some(end)
+    }
+
     fn start_of(&self, run: usize) -> u32 {
         if run == 0 { self.start } else { self.runs[run - 1].end }
     }

@@ -99,7 +99,7 @@ fn behaviour() -> impl Strategy<Value = Behaviour> {
 }
 
 /// Boxes of a few centimetres to several metres in a yard of 40 m, some of them equal.
-fn scene() -> impl Strategy<Value = Scene> {
+pub(crate) fn scene() -> impl Strategy<Value = Scene> {
     let coordinate = || (0u32..80).prop_map(|v| v as f32 * 0.5);
     let edge = || prop_oneof![Just(0.05f32), Just(0.3), Just(1.0), 0.02f32..6.0];
     let part = (
@@ -120,7 +120,7 @@ fn scene() -> impl Strategy<Value = Scene> {
         .prop_map(|(parts, behaviours)| scene_of(&parts, &behaviours))
 }
 
-fn built(scene: &Scene, temporal: Temporal) -> Hdlod {
+pub(crate) fn built(scene: &Scene, temporal: Temporal) -> Hdlod {
     build(scene, &Settings { temporal }, &Progress::default()).unwrap()
 }
 
