@@ -126,7 +126,9 @@ impl fmt::Display for Time {
 }
 
 /// A span of time, half-open: `start` belongs to it, `end` does not.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+#[derive(
+    Clone, Copy, PartialEq, Eq, Hash, Debug, Default, serde::Serialize, serde::Deserialize,
+)]
 pub struct TimeRange {
     /// First instant.
     pub start: Time,

@@ -5,7 +5,7 @@ use super::file::{self, read};
 use super::*;
 use crate::hdlod::tests::{built, scene};
 use crate::hdlod::{Node, Settings, Temporal, select};
-use crate::{ElementId, Hdlod, Model, NamedView, Scene, View};
+use crate::{BehaviourId, ElementId, Hdlod, Model, NamedView, Scene, View};
 use glam::UVec2;
 use proptest::prelude::*;
 use proptest::strategy::ValueTree;
@@ -245,7 +245,7 @@ fn every_kind_of_wrong_reference_is_refused() {
     assert_eq!(good.validate(&scene), Ok(()));
     let last = good.clusters.len() - 1;
     let inner = good.children.iter().position(|c| matches!(c, Node::Cluster(_))).unwrap();
-    let changes: [Change<Hdlod>; 14] = [
+    let changes: [Change<Hdlod>; 18] = [
         ("index", &|t| t.indices[4] = u32::MAX),
         ("indices", &|t| t.indices.truncate(t.indices.len() - 3)),
         ("vertices", &|t| t.vertices.truncate(t.vertices.len() - 1)),
@@ -260,6 +260,10 @@ fn every_kind_of_wrong_reference_is_refused() {
         ("eps", &|t| t.clusters[0].eps = -1.0),
         ("box", &|t| t.clusters[0].bounds.max.x = f32::INFINITY),
         ("root", &|t| t.root = Some(Node::Cluster(0))),
+        ("other dates", &|t| t.built[0].0 ^= 1),
+        ("pair", &|t| t.clusters[0].pairs = [(t.built[0], BehaviourId(9999))].into()),
+        ("no certificate", &|t| t.clusters[0].stale = true),
+        ("loose", &|t| t.loose = vec![ElementId(9999)]),
     ];
     for (what, change) in changes {
         let mut tree = good.clone();

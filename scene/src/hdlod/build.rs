@@ -4,6 +4,7 @@ use super::cover::simplify;
 use super::grouping::group;
 use super::ladder::Ladder;
 use super::presence::{PresenceTable, presence_weight};
+use super::restate::Pair;
 use super::soup::{Geometry, Palette, Triangle, append_instance};
 use super::{Cluster, Hdlod, LevelStats, MAX_STEPS, Node, Settings, Temporal};
 use crate::{Aabb, Cancelled, ElementId, Progress, Scene};
@@ -14,7 +15,7 @@ use topout_schedule::{Behaviour, BoundedStep, StepFunction};
 /// A cluster is measured against those descendants whose own error is at most this share of its
 /// threshold: the chain of H5 then spends little, and the work stays that of a few levels. On a
 /// demo of 20,000 elements 0.4 draws 5 % more triangles at 1/1 and as many at 1/4.
-const SOURCE_SHARE: f32 = 0.2;
+pub(super) const SOURCE_SHARE: f32 = 0.2;
 
 /// A parent must draw at most this share of its children's triangles; otherwise they stay active
 /// and are tried again at the next, coarser level (H14: complexity falls with level).
@@ -45,6 +46,7 @@ struct Inner {
     children: Vec<u32>,
     geometry: Geometry,
     presence: BoundedStep,
+    pairs: Box<[Pair]>,
     level: u32,
 }
 
@@ -105,7 +107,10 @@ pub fn build(scene: &Scene, settings: &Settings, progress: &Progress) -> Result<
         });
     }
     progress.begin("HDLOD: tables", 0)?;
-    Ok(finish(drafts, active.first().copied(), settings, stats))
+    let mut tree = finish(drafts, active.first().copied(), settings, stats);
+    tree.built.clone_from(&scene.element_behaviour);
+    tree.period = scene.schedule.period;
+    Ok(tree)
 }
 
 /// One leaf an element that is ever present (H4): its own behaviour, no error.
@@ -238,6 +243,10 @@ fn merge(ground: &Ground, level: u32, drafts: &[Draft], children: Vec<u32>) -> O
             children,
             geometry,
             presence: BoundedStep::new(&presence, MAX_STEPS),
+            pairs: match ground.temporal {
+                Temporal::Tight => simplified.pairs.into(),
+                Temporal::Paper => Box::default(),
+            },
             level,
         })),
         presence,
@@ -299,6 +308,8 @@ fn finish(
             gamma: draft.gamma,
             weight: draft.weight,
             presence: inner.presence,
+            pairs: inner.pairs,
+            stale: false,
             level: inner.level,
             leaves: draft.leaves,
             first_index: result.indices.len() as u32,

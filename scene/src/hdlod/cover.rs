@@ -24,9 +24,11 @@
 
 use super::parts;
 use super::presence::PresenceTable;
+use super::restate::Pair;
 use super::soup::{Palette, Triangle};
 use crate::Aabb;
 use glam::{IVec3, Vec3};
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// How far corners may move to the grid, as a share of the budget. 0.3 and 0.7 draw within 5 % of
@@ -53,6 +55,8 @@ const INDEX_CELLS: f32 = 24.0;
 pub(crate) struct Simplified {
     pub triangles: Vec<Triangle>,
     pub distance_m: f32,
+    /// Behaviours of what was kept and of what it covers, where they differ; sorted.
+    pub pairs: Vec<Pair>,
 }
 
 /// Simplifies a soup within `budget_m`. The result's distance never exceeds it, apart from the
@@ -68,7 +72,8 @@ pub(crate) fn simplify(
     let slack = if source.is_empty() { 0.0 } else { reach * f32::EPSILON * 8.0 };
     let snap_m = (budget_m - 2.0 * slack) * SNAP_SHARE;
     if source.is_empty() || snap_m <= 0.0 {
-        return Simplified { triangles: source.to_vec(), distance_m: slack };
+        let triangles = source.to_vec();
+        return Simplified { triangles, distance_m: slack, pairs: Vec::new() };
     }
 
     let cover_m = budget_m - 2.0 * slack;
@@ -77,7 +82,9 @@ pub(crate) fn simplify(
     work.delete_collapsed(cover_m, presence);
     work.delete_covered(cover_m, presence, palette);
     let distance_m = work.distance_m + 2.0 * slack;
-    Simplified { triangles: work.finish(), distance_m }
+    let mut pairs: Vec<_> = work.pairs.drain().collect();
+    pairs.sort_unstable();
+    Simplified { triangles: work.finish(), distance_m, pairs }
 }
 
 /// What may be kept: one or two triangles that stand for some sources.
@@ -118,6 +125,8 @@ struct Work {
     collapsed: Vec<u32>,
     grid: Grid,
     distance_m: f32,
+    /// See [`Simplified::pairs`].
+    pairs: HashSet<Pair>,
 }
 
 impl Work {
@@ -132,6 +141,7 @@ impl Work {
             collapsed: Vec::new(),
             grid: Grid::default(),
             distance_m: 0.0,
+            pairs: HashSet::new(),
         };
         for part in parts::connected(source) {
             let first = work.sources.len() as u32;
@@ -248,7 +258,8 @@ impl Work {
             found: Vec::new(),
             worst: 0.0,
         };
-        for source in &self.sources[sources.start as usize..sources.end as usize] {
+        let range = sources.start as usize..sources.end as usize;
+        for source in &self.sources[range.clone()] {
             if !query.reaches_middle(source.corners) || !query.piece(source.corners, SUBDIVISIONS) {
                 return false;
             }
@@ -256,7 +267,11 @@ impl Work {
         let Query { found, worst, .. } = query;
         self.distance_m = self.distance_m.max(worst);
         for i in found {
-            self.items[i as usize].locked = true;
+            let item = &mut self.items[i as usize];
+            item.locked = true;
+            let keeper = item.triangle.behaviour;
+            let covered = self.sources[range.clone()].iter().map(|s| s.behaviour);
+            self.pairs.extend(covered.filter(|&c| c != keeper).map(|c| (keeper, c)));
         }
         true
     }

@@ -9,6 +9,7 @@
 //! | how far soups are apart, proved | `certify`, `bvh` | R10, R11 |
 //! | what may stand for what in time | `presence` | R11 |
 //! | the loop over levels | `build` | H4, H6, H7, H11, R2, R9 |
+//! | other dates for a tree | `restate`, `repair` | H6, H7, R11 |
 //! | what to draw | `select` | H8, H9, H10, R1, R5 to R8 |
 //!
 //! What is promised, mode [`Temporal::Tight`]: at every date, every point that a cluster draws is
@@ -27,6 +28,8 @@ mod hilbert;
 mod ladder;
 mod parts;
 mod presence;
+mod repair;
+mod restate;
 mod select;
 mod soup;
 #[cfg(test)]
@@ -34,17 +37,18 @@ pub(crate) mod tests;
 mod validate;
 
 pub use build::build;
+pub use restate::{OtherScene, Pair, Restated};
 pub use select::{delta_m, draws_part, select};
 pub use soup::Run;
 
-use crate::{Aabb, ElementId, Layer, Vertex};
+use crate::{Aabb, BehaviourId, ElementId, Layer, Vertex};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
-use topout_schedule::BoundedStep;
+use topout_schedule::{BoundedStep, TimeRange};
 
 /// Counts up whenever [`build`] gives another tree for the same scene and settings: trees that an
 /// earlier version left in the cache are then built anew.
-pub const ALGORITHM: u32 = 1;
+pub const ALGORITHM: u32 = 2;
 
 /// Which promise a tree makes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
@@ -97,12 +101,20 @@ pub struct Hdlod {
     pub root: Option<Node>,
     /// How the build went, level by level.
     pub levels: Vec<LevelStats>,
+    /// The behaviour of each element that the certificates were made for; that of the scene, until
+    /// an edit ([`Hdlod::restate`]).
+    pub built: Vec<BehaviourId>,
+    /// T, over which gamma is a mean (H6).
+    pub period: TimeRange,
+    /// Elements outside the tree, drawn exactly: never present when it was built, but after an edit.
+    pub loose: Vec<ElementId>,
 }
 
 /// One inner node: c = (g_c, f_c, b_c, w_c, eps_c, gamma_c) of H4.
 ///
 /// Rule of selection ([`select`]): it is drawn in place of everything below it when
-/// [`crate::View::error_px`] of its `eps` (or delta) and `bounds` is within the tolerance.
+/// [`crate::View::error_px`] of its `eps` (or delta) and `bounds` is within the tolerance and it is
+/// not `stale`.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
 pub struct Cluster {
     /// Its children, a range of [`Hdlod::children`].
@@ -119,6 +131,12 @@ pub struct Cluster {
     /// f_c: the weighted share of the elements below that is present (H7), with at most
     /// [`MAX_STEPS`] steps (R13).
     pub presence: BoundedStep,
+    /// The pairs of different built behaviours (kept, covered) that its certificate rests on; sorted,
+    /// empty in mode paper. See [`Hdlod::restate`].
+    pub pairs: Box<[Pair]>,
+    /// Mode tight: an edit of the schedule took its certificate, so it is never drawn and always
+    /// descended into. `eps` stays: it is the certificate again when the edit is undone.
+    pub stale: bool,
     /// The level that made it, from 1.
     pub level: u32,
     /// Number of elements below.

@@ -22,7 +22,7 @@ pub(crate) struct Hull {
 }
 
 impl Hull {
-    fn of(behaviour: &Behaviour) -> Self {
+    pub fn of(behaviour: &Behaviour) -> Self {
         let toggles = behaviour.toggles();
         let on = if behaviour.initial() {
             Time::MIN
@@ -35,6 +35,17 @@ impl Hull {
         let rises = usize::from(behaviour.initial())
             + (toggles.len() + usize::from(!behaviour.initial())) / 2;
         Self { on, off, solid: rises <= 1 }
+    }
+
+    /// The order of runs: 0 for what stays to the end once it came, by its coming; 1 for what was
+    /// there from the beginning, the last to go first; 2 for the rest.
+    pub fn order(&self) -> (u8, i64) {
+        match (self.solid, self.on, self.off) {
+            (true, on, Time::MAX) => (0, on.seconds()),
+            // Not negated: the beginning of time has no opposite.
+            (true, Time::MIN, off) => (1, !off.seconds()),
+            (_, on, _) => (2, on.seconds()),
+        }
     }
 }
 

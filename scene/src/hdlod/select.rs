@@ -33,6 +33,9 @@ pub fn select(scene: &Scene, hdlod: &Hdlod, view: &View, time: Time) -> Selectio
     if let Some(root) = hdlod.root {
         walk.node(root, false);
     }
+    for &element in &hdlod.loose {
+        walk.node(Node::Leaf(element), false);
+    }
     walk.out
 }
 
@@ -85,7 +88,7 @@ impl Walk<'_> {
             Temporal::Paper => delta_m(cluster, share),
         };
         let error_px = self.view.error_px(delta, &cluster.bounds);
-        if error_px > self.view.tolerance_px {
+        if cluster.stale || error_px > self.view.tolerance_px {
             for i in cluster.children.clone() {
                 self.node(self.hdlod.children[i as usize], inside);
             }

@@ -1,9 +1,10 @@
 //! Triangles that carry the behaviour of what they stand for, and the geometry of one cluster.
 
-use super::presence::PresenceTable;
+use super::presence::{Hull, PresenceTable};
 use crate::{BehaviourId, Instance, Layer, Material, Mesh, Vertex, decode_normal, encode_normal};
 use glam::{Mat3, Vec3};
 use std::collections::HashMap;
+use std::ops::Range;
 use topout_schedule::{Behaviour, Time};
 
 /// One triangle of a soup (H1) in local space, with the behaviour of the leaves it stands for.
@@ -69,6 +70,8 @@ pub(crate) fn append_instance(
 pub struct Run {
     /// When these triangles are drawn: exactly while this behaviour is present (R11).
     pub behaviour: BehaviourId,
+    /// What it was when the tree was built.
+    pub built: BehaviourId,
     /// First instant of presence.
     pub on: Time,
     /// First instant after the last presence.
@@ -100,7 +103,7 @@ impl LayerRuns {
         let known = self.runs.iter().all(|run| {
             let follows = end <= run.end && (run.end - end).is_multiple_of(3);
             end = run.end;
-            follows && run.behaviour.index() < behaviours
+            follows && run.behaviour.index() < behaviours && run.built == run.behaviour
         });
         let sorted = ordered
             && self.runs[..self.installed].is_sorted_by_key(|r| r.on)
@@ -115,6 +118,48 @@ impl LayerRuns {
     /// One past the layer's last index.
     pub fn end(&self) -> u32 {
         self.start_of(self.runs.len())
+    }
+
+    /// Gives every run the behaviour that its built one has become, and brings the runs into the
+    /// order of the rule above, with them their part of `indices`, which starts at the cluster's
+    /// first. Returns the range in which indices moved.
+    pub fn restate(
+        &mut self,
+        indices: &mut [u32],
+        behaviours: &[Behaviour],
+        now: impl Fn(BehaviourId) -> BehaviourId,
+    ) -> Option<Range<u32>> {
+        if self.runs.iter().all(|run| now(run.built) == run.behaviour) {
+            return None;
+        }
+        let runs = (0..self.runs.len()).map(|i| {
+            let (start, old) = (self.start_of(i), self.runs[i]);
+            let behaviour = now(old.built);
+            let hull = Hull::of(&behaviours[behaviour.index()]);
+            (hull.order(), start, Run { behaviour, on: hull.on, off: hull.off, ..old })
+        });
+        let mut runs: Vec<_> = runs.collect();
+        runs.sort_by_key(|(order, _, run)| (*order, run.behaviour, run.built));
+
+        let before = indices[self.start as usize..self.end() as usize].to_vec();
+        let mut moved: Option<Range<u32>> = None;
+        let mut end = self.start;
+        self.installed = 0;
+        self.removed = 0;
+        for (slot, ((class, _), start, mut run)) in runs.into_iter().enumerate() {
+            let from = (start - self.start) as usize..(run.end - self.start) as usize;
+            let to = end..end + from.len() as u32;
+            if to.start != start {
+                indices[to.start as usize..to.end as usize].copy_from_slice(&before[from]);
+                moved = Some(moved.map_or(to.start, |m| m.start)..to.end);
+            }
+            end = to.end;
+            run.end = end;
+            self.installed += usize::from(class == 0);
+            self.removed += usize::from(class <= 1);
+            self.runs[slot] = run;
+        }
+        moved
     }
 
     /// Calls `emit(start, end)` for the index ranges present at `time`, neighbours joined.
@@ -159,12 +204,7 @@ impl Geometry {
     pub fn new(mut triangles: Vec<Triangle>, presence: &PresenceTable) -> Self {
         // (layer, class, time, behaviour): the order that `LayerRuns` promises.
         let key = |t: &Triangle| {
-            let hull = presence.hull(t.behaviour);
-            let (class, order) = match (hull.solid, hull.on, hull.off) {
-                (true, on, Time::MAX) => (0, on.seconds()),
-                (true, Time::MIN, off) => (1, -off.seconds()),
-                (_, on, _) => (2, on.seconds()),
-            };
+            let (class, order) = presence.hull(t.behaviour).order();
             (t.layer, class, order, t.behaviour, t.material)
         };
         triangles.sort_by_cached_key(key);
@@ -198,6 +238,7 @@ impl Geometry {
                 let class = key(first).1;
                 runs.runs.push(Run {
                     behaviour,
+                    built: behaviour,
                     on: hull.on,
                     off: hull.off,
                     end: result.indices.len() as u32,
@@ -212,21 +253,31 @@ impl Geometry {
 
     /// Appends the triangles again, as they were given.
     pub fn append_triangles(&self, out: &mut Vec<Triangle>) {
-        for (slot, layer) in [Layer::Opaque, Layer::Transparent].into_iter().enumerate() {
-            let mut start = self.layers[slot].start;
-            for run in &self.layers[slot].runs {
-                for triple in self.indices[start as usize..run.end as usize].chunks_exact(3) {
-                    let v = [0, 1, 2].map(|k| self.vertices[triple[k] as usize]);
-                    out.push(Triangle {
-                        corners: v.map(|v| Vec3::from(v.position)),
-                        normals: v.map(|v| v.normal),
-                        material: v[0].material,
-                        layer,
-                        behaviour: run.behaviour,
-                    });
-                }
-                start = run.end;
+        append_runs(&self.layers, &self.vertices, &self.indices, out);
+    }
+}
+
+/// Appends the triangles of runs; `indices` starts at the cluster's first.
+pub(crate) fn append_runs(
+    layers: &[LayerRuns; 2],
+    vertices: &[Vertex],
+    indices: &[u32],
+    out: &mut Vec<Triangle>,
+) {
+    for (slot, layer) in [Layer::Opaque, Layer::Transparent].into_iter().enumerate() {
+        let mut start = layers[slot].start;
+        for run in &layers[slot].runs {
+            for triple in indices[start as usize..run.end as usize].chunks_exact(3) {
+                let v = [0, 1, 2].map(|k| vertices[triple[k] as usize]);
+                out.push(Triangle {
+                    corners: v.map(|v| Vec3::from(v.position)),
+                    normals: v.map(|v| v.normal),
+                    material: v[0].material,
+                    layer,
+                    behaviour: run.behaviour,
+                });
             }
+            start = run.end;
         }
     }
 }

@@ -9,8 +9,11 @@ use crate::{
 };
 use glam::{Affine3A, Quat, UVec2, Vec3};
 use proptest::prelude::*;
+use proptest::test_runner::TestCaseError;
 use std::collections::BTreeSet;
 use topout_schedule::{Behaviour, Schedule, Share, Time, TimeRange};
+
+mod edits;
 
 const END: i64 = 100;
 
@@ -178,6 +181,79 @@ fn sampled_distance(from: &[[Vec3; 3]], to: &[[Vec3; 3]]) -> f32 {
     worst
 }
 
+/// R11 by brute force at one date, for the clusters that hold.
+fn check_promise(hdlod: &Hdlod, scene: &Scene, time: Time) -> Result<(), TestCaseError> {
+    for cluster in hdlod.clusters.iter().filter(|c| !c.stale) {
+        let mut leaves = Vec::new();
+        for &child in hdlod.children_of(cluster) {
+            leaves_below(hdlod, child, &mut leaves);
+        }
+        let mut present = Vec::new();
+        for &id in leaves.iter().filter(|id| scene.behaviour(**id).at(time)) {
+            element_triangles(scene, id, &mut present);
+        }
+        let drawn = drawn_at(hdlod, cluster, scene, time);
+        prop_assert_eq!(present.is_empty(), drawn.is_empty());
+        let tolerance = cluster.eps + 1e-4;
+        prop_assert!(sampled_distance(&present, &drawn) <= tolerance, "something was lost");
+        prop_assert!(sampled_distance(&drawn, &present) <= tolerance, "something was invented");
+
+        let mut asked = 0;
+        for layer in &cluster.layers {
+            layer.present(&scene.behaviours, time, |from, to| asked += (to - from) as usize / 3);
+        }
+        prop_assert_eq!(asked, drawn.len(), "the order of the runs");
+    }
+    Ok(())
+}
+
+/// H5 to H7, R2, R7 for every cluster, leaf by leaf and second by second.
+fn check_definitions(hdlod: &Hdlod, scene: &Scene) -> Result<(), TestCaseError> {
+    for cluster in &hdlod.clusters {
+        let children = hdlod.children_of(cluster);
+        prop_assert!((1..=grouping::MAX_DEGREE).contains(&children.len()));
+        let mut leaves = Vec::new();
+        for &child in children {
+            leaves_below(hdlod, child, &mut leaves);
+            if let Node::Cluster(i) = child {
+                let child = &hdlod.clusters[i as usize];
+                prop_assert!(child.eps <= cluster.eps && child.gamma <= cluster.gamma);
+                prop_assert_eq!(cluster.bounds.union(&child.bounds), cluster.bounds);
+            }
+        }
+        prop_assert_eq!(leaves.len(), cluster.leaves as usize);
+        let diameter =
+            |id: &ElementId| f64::from(scene.model.elements[id.index()].bounds.diameter());
+        let weight: f64 = leaves.iter().map(diameter).sum();
+        prop_assert!((weight - cluster.weight).abs() <= 1e-6 * weight.max(1.0));
+        for second in 0..END {
+            let time = Time::from_seconds(second);
+            let there = leaves.iter().filter(|id| scene.behaviour(**id).at(time));
+            let count = there.clone().count();
+            let share = there.map(diameter).sum::<f64>() / weight;
+            let Share { lo: f, hi } = cluster.presence.at(time);
+            prop_assert_eq!(f, hi, "so few behaviours are known exactly");
+            prop_assert!((f64::from(f) - share).abs() < 1e-5);
+            prop_assert_eq!(f == 0.0, count == 0);
+            prop_assert_eq!(f == 1.0, count == leaves.len());
+        }
+        for id in &leaves {
+            // gamma_c >= D_F(f_c, f_leaf), the integral taken second by second.
+            let steps: f64 = (0..END)
+                .map(|s| {
+                    let t = Time::from_seconds(s);
+                    let leaf = if scene.behaviour(*id).at(t) { 1.0 } else { 0.0 };
+                    (f64::from(cluster.presence.at(t).lo) - leaf).abs()
+                })
+                .sum();
+            prop_assert!(cluster.gamma + 1e-5 >= steps / END as f64);
+            let bounds = scene.model.elements[id.index()].bounds;
+            prop_assert_eq!(cluster.bounds.union(&bounds), cluster.bounds);
+        }
+    }
+    Ok(())
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
 
@@ -185,23 +261,7 @@ proptest! {
     /// within its eps of each other, both ways.
     #[test]
     fn what_a_cluster_draws_is_within_eps_of_what_is_present(scene in scene(), time in 0..END) {
-        let hdlod = built(&scene, Temporal::Tight);
-        let time = Time::from_seconds(time);
-        for cluster in &hdlod.clusters {
-            let mut leaves = Vec::new();
-            for &child in hdlod.children_of(cluster) {
-                leaves_below(&hdlod, child, &mut leaves);
-            }
-            let mut present = Vec::new();
-            for &id in leaves.iter().filter(|id| scene.behaviour(**id).at(time)) {
-                element_triangles(&scene, id, &mut present);
-            }
-            let drawn = drawn_at(&hdlod, cluster, &scene, time);
-            prop_assert_eq!(present.is_empty(), drawn.is_empty());
-            let tolerance = cluster.eps + 1e-4;
-            prop_assert!(sampled_distance(&present, &drawn) <= tolerance, "something was lost");
-            prop_assert!(sampled_distance(&drawn, &present) <= tolerance, "something was invented");
-        }
+        check_promise(&built(&scene, Temporal::Tight), &scene, Time::from_seconds(time))?;
     }
 
     /// H5 to H7, R2, R7, R9 against the definitions, computed leaf by leaf.
@@ -218,48 +278,7 @@ proptest! {
         }
         prop_assert_eq!(all.len(), present_ever.len(), "one root, every leaf once");
         prop_assert_eq!(all.into_iter().collect::<BTreeSet<_>>(), present_ever);
-
-        for cluster in &hdlod.clusters {
-            let children = hdlod.children_of(cluster);
-            prop_assert!((1..=grouping::MAX_DEGREE).contains(&children.len()));
-            let mut leaves = Vec::new();
-            for &child in children {
-                leaves_below(&hdlod, child, &mut leaves);
-                if let Node::Cluster(i) = child {
-                    let child = &hdlod.clusters[i as usize];
-                    prop_assert!(child.eps <= cluster.eps && child.gamma <= cluster.gamma);
-                    prop_assert_eq!(cluster.bounds.union(&child.bounds), cluster.bounds);
-                }
-            }
-            prop_assert_eq!(leaves.len(), cluster.leaves as usize);
-            let diameter = |id: &ElementId| f64::from(scene.model.elements[id.index()].bounds.diameter());
-            let weight: f64 = leaves.iter().map(diameter).sum();
-            prop_assert!((weight - cluster.weight).abs() <= 1e-6 * weight.max(1.0));
-            for second in 0..END {
-                let time = Time::from_seconds(second);
-                let there = leaves.iter().filter(|id| scene.behaviour(**id).at(time));
-                let count = there.clone().count();
-                let share = there.map(diameter).sum::<f64>() / weight;
-                let Share { lo: f, hi } = cluster.presence.at(time);
-                prop_assert_eq!(f, hi, "so few behaviours are known exactly");
-                prop_assert!((f64::from(f) - share).abs() < 1e-5);
-                prop_assert_eq!(f == 0.0, count == 0);
-                prop_assert_eq!(f == 1.0, count == leaves.len());
-            }
-            for id in &leaves {
-                // gamma_c >= D_F(f_c, f_leaf), the integral taken second by second.
-                let steps: f64 = (0..END)
-                    .map(|s| {
-                        let t = Time::from_seconds(s);
-                        let leaf = if scene.behaviour(*id).at(t) { 1.0 } else { 0.0 };
-                        (f64::from(cluster.presence.at(t).lo) - leaf).abs()
-                    })
-                    .sum();
-                prop_assert!(cluster.gamma + 1e-5 >= steps / END as f64);
-                let bounds = scene.model.elements[id.index()].bounds;
-                prop_assert_eq!(cluster.bounds.union(&bounds), cluster.bounds);
-            }
-        }
+        check_definitions(&hdlod, &scene)?;
     }
 
     /// At tolerance 0 the selection is the set of present elements in the frame, each once.

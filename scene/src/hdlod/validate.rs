@@ -1,7 +1,7 @@
 //! Whether a tree that was read from a file can be used with a scene.
 
 use super::{Cluster, Hdlod, Node};
-use crate::{Aabb, Scene, Vertex};
+use crate::{Aabb, BehaviourId, Scene, Vertex};
 use rayon::prelude::*;
 
 /// Deepest tree that is taken: [`super::select`] descends by recursion. Trees that were built stay
@@ -21,7 +21,15 @@ impl Hdlod {
         };
         require(self.vertices.par_iter().with_min_len(1 << 14).all(usable), "a vertex")?;
         self.clusters.par_iter().try_for_each(|c| self.check_cluster(c, scene))?;
+        self.check_dates(scene)?;
         self.check_shape(scene)
+    }
+
+    /// The tree is for the dates of the scene: what is read was built for them.
+    fn check_dates(&self, scene: &Scene) -> Result<(), &'static str> {
+        require(self.built == scene.element_behaviour, "the behaviours of elements")?;
+        require(self.period == scene.schedule.period, "the period")?;
+        require(self.loose.iter().all(|id| id.index() < self.built.len()), "a loose element")
     }
 
     fn check_cluster(&self, cluster: &Cluster, scene: &Scene) -> Result<(), &'static str> {
@@ -37,6 +45,9 @@ impl Hdlod {
             end = end.and_then(|first| layer.check(first, scene.behaviours.len()));
         }
         let end = end.ok_or("a cluster's runs")?;
+        let known = |b: BehaviourId| b.index() < scene.behaviours.len();
+        let pairs_known = cluster.pairs.iter().all(|&(a, b)| known(a) && known(b));
+        require(pairs_known && !cluster.stale, "what a certificate rests on")?;
         let first = cluster.first_index as usize;
         let indices = self.indices.get(first..first + end as usize).ok_or("a cluster's indices")?;
         let base = cluster.base_vertex as usize;

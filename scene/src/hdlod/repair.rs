@@ -1,0 +1,201 @@
+//! Merging anew what lost its certificate by edits of the schedule: same clusters, same children,
+//! same thresholds, other geometry.
+
+use super::cover::simplify;
+use super::presence::PresenceTable;
+use super::restate::{Images, Pair, Parents};
+use super::soup::{Geometry, Palette, Triangle, append_instance, append_runs};
+use super::{Cluster, Hdlod, Node, Settings, Temporal, build};
+use crate::{Aabb, Cancelled, Progress, Scene};
+use rayon::prelude::*;
+use std::collections::HashMap;
+
+impl Hdlod {
+    /// A tree without stale clusters, for the background: the work of a build for these clusters
+    /// alone. Every one of them keeps its children and meets the threshold of its level (H12); it
+    /// is kept also where it saves few triangles. All certificates are then those of the dates now,
+    /// so undoing the edit is another edit.
+    ///
+    /// Mode paper groups by time too, so there the tree is built anew. Elements that were
+    /// never present before ([`Hdlod::loose`]) stay outside the tree until the next build.
+    ///
+    /// `scene` must be the one of the last [`Hdlod::restate`].
+    ///
+    /// # Errors
+    /// Only when `progress` is cancelled.
+    pub fn repair(&self, scene: &Scene, progress: &Progress) -> Result<Hdlod, Cancelled> {
+        if self.temporal == Temporal::Paper {
+            return build(scene, &Settings { temporal: Temporal::Paper }, progress);
+        }
+        let work = Work {
+            hdlod: self,
+            scene,
+            presence: PresenceTable::new(&scene.behaviours, true),
+            palette: Palette::new(&scene.model.materials),
+        };
+        let mut stale: Vec<u32> =
+            (0..).zip(&self.clusters).filter(|(_, c)| c.stale).map(|(i, _)| i).collect();
+        stale.sort_by_key(|&i| self.clusters[i as usize].level);
+        progress.begin("HDLOD: repair", stale.len() as u64)?;
+        let mut merged = HashMap::new();
+        // Children are of a lower level, so clusters of one level do not wait for each other.
+        for level in stale.chunk_by(|&a, &b| self.level_of(a) == self.level_of(b)) {
+            let done: Result<Vec<_>, Cancelled> = level
+                .par_iter()
+                .map(|&i| {
+                    let new = work.merge(&self.clusters[i as usize], &merged);
+                    progress.advance(1)?;
+                    Ok((i, new))
+                })
+                .collect();
+            merged.extend(done?);
+        }
+        Ok(self.with_merged(scene, merged))
+    }
+
+    fn level_of(&self, cluster: u32) -> u32 {
+        self.clusters[cluster as usize].level
+    }
+
+    /// Lays the tables out again and makes the dates of `scene` those of all certificates.
+    fn with_merged(&self, scene: &Scene, mut merged: HashMap<u32, Merged>) -> Hdlod {
+        let parents = Parents::of(self);
+        let images = Images::new(self, scene, &parents, &vec![true; self.clusters.len()]);
+        let mut tree = Hdlod {
+            temporal: self.temporal,
+            children: self.children.clone(),
+            root: self.root,
+            levels: self.levels.clone(),
+            built: scene.element_behaviour.clone(),
+            period: self.period,
+            loose: self.loose.clone(),
+            ..Hdlod::default()
+        };
+        for (i, old) in self.clusters.iter().enumerate() {
+            let mut cluster = old.clone();
+            let (first_index, base_vertex) = (tree.indices.len(), tree.vertices.len());
+            cluster.first_index = first_index as u32;
+            cluster.base_vertex = base_vertex as u32;
+            cluster.stale = false;
+            if let Some(new) = merged.remove(&(i as u32)) {
+                tree.vertices.extend_from_slice(&new.geometry.vertices);
+                tree.indices.extend_from_slice(&new.geometry.indices);
+                cluster.layers = new.geometry.layers;
+                cluster.pairs = new.pairs.into();
+                cluster.eps = new.eps;
+                cluster.bounds = new.bounds;
+            } else {
+                let end = self.clusters.get(i + 1).map(|c| c.base_vertex as usize);
+                let vertices = old.base_vertex as usize..end.unwrap_or(self.vertices.len());
+                tree.vertices.extend_from_slice(&self.vertices[vertices]);
+                tree.indices.extend_from_slice(self.indices_of(old));
+                cluster.layers.iter_mut().flat_map(|l| &mut l.runs).for_each(|run| {
+                    run.built = run.behaviour;
+                });
+                cluster.pairs = images.pairs(i, &old.pairs).into();
+            }
+            tree.clusters.push(cluster);
+        }
+        tree
+    }
+
+    fn indices_of(&self, cluster: &Cluster) -> &[u32] {
+        let first = cluster.first_index as usize;
+        &self.indices[first..first + cluster.layers[1].end() as usize]
+    }
+}
+
+/// What a cluster became.
+struct Merged {
+    geometry: Geometry,
+    eps: f32,
+    bounds: Aabb,
+    pairs: Vec<Pair>,
+}
+
+struct Work<'a> {
+    hdlod: &'a Hdlod,
+    scene: &'a Scene,
+    presence: PresenceTable<'a>,
+    palette: Palette,
+}
+
+impl Work<'_> {
+    /// As the build merges, but with the children that the cluster has.
+    fn merge(&self, cluster: &Cluster, merged: &HashMap<u32, Merged>) -> Merged {
+        let levels = &self.hdlod.levels;
+        let level = levels.iter().find(|l| l.level == cluster.level);
+        let limit = level.map_or(cluster.eps, |l| l.eps_m);
+        let mut source = Vec::new();
+        let mut source_eps = 0f32;
+        let mut eps = 0f32;
+        let mut bounds = Aabb::EMPTY;
+        for &child in self.hdlod.children_of(cluster) {
+            let (child_eps, child_bounds) = self.error_and_box(child, merged);
+            eps = eps.max(child_eps);
+            bounds = bounds.union(&child_bounds);
+            self.gather(child, limit * build::SOURCE_SHARE, merged, &mut source, &mut source_eps);
+        }
+        let simplified = simplify(&source, limit - source_eps, &self.presence, &self.palette);
+        let geometry = Geometry::new(simplified.triangles, &self.presence);
+        let drawn = Aabb::of_points(geometry.vertices.iter().map(|v| v.position.into()));
+        Merged {
+            geometry,
+            eps: eps.max(source_eps + simplified.distance_m),
+            bounds: bounds.union(&drawn),
+            pairs: simplified.pairs,
+        }
+    }
+
+    fn error_and_box(&self, node: Node, merged: &HashMap<u32, Merged>) -> (f32, Aabb) {
+        match node {
+            Node::Leaf(id) => (0.0, self.scene.model.elements[id.index()].bounds),
+            Node::Cluster(c) => match merged.get(&c) {
+                Some(new) => (new.eps, new.bounds),
+                None => {
+                    let old = &self.hdlod.clusters[c as usize];
+                    (old.eps, old.bounds)
+                }
+            },
+        }
+    }
+
+    /// Collects the geometry of the coarsest nodes whose error is at most `eps`; also what is never
+    /// present now, because the next edit may bring it back.
+    fn gather(
+        &self,
+        node: Node,
+        eps: f32,
+        merged: &HashMap<u32, Merged>,
+        out: &mut Vec<Triangle>,
+        worst: &mut f32,
+    ) {
+        match node {
+            Node::Leaf(id) => {
+                let model = &self.scene.model;
+                let behaviour = self.scene.element_behaviour[id.index()];
+                for instance in model.instances_of(&model.elements[id.index()]) {
+                    append_instance(instance, &model.meshes[instance.mesh.index()], behaviour, out);
+                }
+            }
+            Node::Cluster(c) => {
+                let (own_eps, _) = self.error_and_box(node, merged);
+                let old = &self.hdlod.clusters[c as usize];
+                if own_eps > eps {
+                    for &child in self.hdlod.children_of(old) {
+                        self.gather(child, eps, merged, out, worst);
+                    }
+                    return;
+                }
+                *worst = worst.max(own_eps);
+                match merged.get(&c) {
+                    Some(new) => new.geometry.append_triangles(out),
+                    None => {
+                        let vertices = &self.hdlod.vertices[old.base_vertex as usize..];
+                        append_runs(&old.layers, vertices, self.hdlod.indices_of(old), out);
+                    }
+                }
+            }
+        }
+    }
+}
