@@ -149,9 +149,52 @@ fn a_written_demo_goes_through_every_sub_command() {
     assert!(number(&baked, "clusters") > 10.0 && number(&baked, "levels") > 3.0, "{baked}");
     assert!(number(&baked, "root_triangles") < 0.2 * number(&baked, "triangles"), "{baked}");
     assert!(baked["phases"].as_object().unwrap().len() > 3, "{baked}");
+    levels_are_complete(&baked);
 
     let measured = topout(["bench", "--size", "320x180"].iter().chain(&project)).good_json();
     bench_is_complete(&measured);
+    both_rules_are_compared(&measured);
+}
+
+/// What the tree is like, level by level.
+fn levels_are_complete(baked: &serde_json::Value) {
+    let levels = baked["level_table"].as_array().unwrap();
+    let figures = ["eps_m", "clusters", "mean_degree", "max_degree", "cluster_triangles"];
+    let judged = ["triangles", "overlap", "area_kept", "gamma_limit", "gamma_median", "gamma_max"];
+    for level in levels {
+        assert_keys(level, &figures);
+        assert_keys(level, &judged);
+    }
+    let total = |key: &str| levels.iter().map(|l| number(l, key)).sum::<f64>();
+    assert_eq!(total("clusters"), number(baked, "clusters"));
+    assert_eq!(total("cluster_triangles"), number(baked, "cluster_triangles"));
+    let last = levels.last().unwrap();
+    assert_eq!(number(last, "triangles"), number(baked, "root_triangles"));
+    assert!(number(last, "area_kept") > 0.05 && number(last, "area_kept") < 1.5, "{last}");
+}
+
+/// Tight and paper at two dates and three coverages; the rule in force as in the main table.
+fn both_rules_are_compared(report: &serde_json::Value) {
+    let rows = report["temporal"].as_array().unwrap();
+    let places: Vec<_> = rows
+        .iter()
+        .map(|c| ["temporal", "time", "coverage"].map(|key| c[key].as_str().unwrap()))
+        .collect();
+    let mut expected = Vec::new();
+    for rule in ["tight", "paper"] {
+        for time in ["1/3", "2/3"] {
+            expected.extend(["1/1", "1/4", "1/16"].map(|coverage| [rule, time, coverage]));
+        }
+    }
+    assert_eq!(places, expected);
+    for row in rows {
+        assert_keys(row, &["frame_ms", "triangles", "clusters", "flip", "coverage_change"]);
+    }
+    let cells = report["cells"].as_array().unwrap();
+    let same = |c: &&serde_json::Value| {
+        (&c["time"], &c["coverage"], &c["lod"]) == (&"1/3".into(), &"1/4".into(), &"hdlod".into())
+    };
+    assert_eq!(rows[1]["frame_ms"], cells.iter().find(same).unwrap()["frame_ms"]);
 }
 
 /// Five rows; hdlod and batched at three coverages, objects at 1/1 (formats.md).

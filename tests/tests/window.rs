@@ -254,6 +254,27 @@ fn the_building_is_there_before_its_tree_and_does_not_move_when_it_comes() {
     assert!(!state(&harness).frames.is_empty());
 }
 
+/// The levels' colours are another picture of the same cut; without them all is as before.
+#[test]
+fn coloring_by_level_changes_the_picture_alone_and_can_be_taken_back() {
+    let mut harness = open();
+    // Figures in milliseconds differ from frame to frame.
+    apply(&mut harness, Command::Toggle(Panel::Figures));
+    let plain = picture(&mut harness);
+    let stats = *state(&harness).frames.last().unwrap();
+    apply(&mut harness, Command::ToggleLevelColors);
+    let colored = picture(&mut harness);
+    let colored_stats = *state(&harness).frames.last().unwrap();
+    assert!(stats.clusters > 0);
+    assert_eq!(
+        (stats.clusters, stats.triangles),
+        (colored_stats.clusters, colored_stats.triangles)
+    );
+    assert!(plain != colored, "the colours show");
+    apply(&mut harness, Command::ToggleLevelColors);
+    assert!(plain == picture(&mut harness), "nothing of them is left");
+}
+
 #[test]
 fn what_cannot_be_opened_is_named_and_the_project_stays() {
     let mut harness = open();

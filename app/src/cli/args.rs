@@ -218,6 +218,11 @@ pub struct Render {
     #[arg(long, value_name = "1/N", conflicts_with_all = ["eye", "target"])]
     pub coverage: Option<Coverage>,
 
+    /// Colour clusters by the level that made them, from blue (fine) to red (coarse); exact
+    /// elements are grey.
+    #[arg(long)]
+    pub color_levels: bool,
+
     #[allow(missing_docs)]
     #[command(flatten)]
     pub caching: Caching,
@@ -284,6 +289,24 @@ pub enum TemporalRule {
     Tight,
     /// The paper's delta: a figure of merit over time.
     Paper,
+}
+
+impl TemporalRule {
+    /// As written on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Tight => "tight",
+            Self::Paper => "paper",
+        }
+    }
+
+    /// The one that this is not.
+    pub fn other(self) -> Self {
+        match self {
+            Self::Tight => Self::Paper,
+            Self::Paper => Self::Tight,
+        }
+    }
 }
 
 impl From<TemporalRule> for Temporal {

@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 use std::fmt::Write;
 use std::sync::Arc;
 use topout_scene::cache::Cache;
+use topout_scene::hdlod::LevelReport;
 use topout_scene::{Progress, Scene};
 
 /// The keys that scripts read.
@@ -36,14 +37,43 @@ struct Report {
     phases: Map<String, Value>,
 }
 
-/// One level of the build.
+/// One level of the tree, as [`LevelReport`] says.
 #[derive(Serialize, Debug)]
 struct Level {
     level: u32,
     eps_m: f32,
     clusters: usize,
+    mean_degree: f64,
+    max_degree: usize,
+    cluster_triangles: usize,
     active: usize,
+    /// Drawn by the active nodes.
     triangles: usize,
+    overlap: f64,
+    area_kept: f64,
+    gamma_limit: f64,
+    gamma_median: f64,
+    gamma_max: f64,
+}
+
+impl From<LevelReport> for Level {
+    fn from(l: LevelReport) -> Self {
+        Self {
+            level: l.level,
+            eps_m: l.eps_m,
+            clusters: l.clusters,
+            mean_degree: rounded(l.mean_degree, 2),
+            max_degree: l.max_degree,
+            cluster_triangles: l.triangles,
+            active: l.active,
+            triangles: l.active_triangles,
+            overlap: rounded(l.overlap, 4),
+            area_kept: rounded(l.area_kept, 4),
+            gamma_limit: rounded(l.gamma_limit, 4),
+            gamma_median: rounded(l.gamma_median, 4),
+            gamma_max: rounded(l.gamma_max, 4),
+        }
+    }
 }
 
 /// Builds and reports.
@@ -70,13 +100,6 @@ impl Report {
     fn of(scene: &Scene, baked: &Baked, cache: Option<&Cache>, phases: &stage::Phases) -> Self {
         let tree = &baked.tree;
         let stats = tree.stats();
-        let levels = tree.levels.iter().map(|l| Level {
-            level: l.level,
-            eps_m: l.eps_m,
-            clusters: l.clusters,
-            active: l.active,
-            triangles: l.triangles,
-        });
         Self {
             elements: scene.model.elements.len(),
             triangles: scene.model.triangle_count(),
@@ -88,7 +111,7 @@ impl Report {
             cluster_triangles: stats.triangles,
             geometry_bytes: stats.geometry_bytes,
             behaviour_bytes: stats.behaviour_bytes,
-            level_table: levels.collect(),
+            level_table: tree.report(scene).into_iter().map(Level::from).collect(),
             seconds: rounded(baked.seconds, 3),
             peak_rss_mb: peak_rss_mb(),
             cache_bytes: baked.cache_bytes,
@@ -143,17 +166,41 @@ impl Report {
     }
 
     fn level_text(&self) -> String {
-        let head = ["Level", "eps (m)", "clusters", "active", "triangles drawn by them"];
+        let head = [
+            "Level",
+            "eps (m)",
+            "clusters",
+            "degree mean",
+            "max",
+            "triangles",
+            "active nodes",
+            "draw",
+            "overlap",
+            "area kept",
+            "gamma limit",
+            "median",
+            "max",
+        ];
         let mut rows = vec![head.map(str::to_owned).to_vec()];
-        rows.extend(self.level_table.iter().map(|l| {
-            vec![
+        for l in &self.level_table {
+            // A level without clusters has no such figures.
+            let some = |text: String| if l.clusters > 0 { text } else { "-".to_owned() };
+            rows.push(vec![
                 format!("  {}", l.level),
                 format!("{:.3}", l.eps_m),
                 count(l.clusters),
+                some(format!("{:.1}", l.mean_degree)),
+                some(l.max_degree.to_string()),
+                count(l.cluster_triangles),
                 count(l.active),
                 count(l.triangles),
-            ]
-        }));
+                some(format!("{:.1} %", l.overlap * 100.0)),
+                some(format!("{:.1} %", l.area_kept * 100.0)),
+                format!("{:.4}", l.gamma_limit),
+                some(format!("{:.4}", l.gamma_median)),
+                some(format!("{:.4}", l.gamma_max)),
+            ]);
+        }
         crate::report::columns(&rows)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::stage::Stage;
 use super::{Outcome, args, table, terminal};
-use crate::bench::{Cell, Plan, cells, measure, measure_empty, mode_name};
+use crate::bench::{Cell, CellKey, Moment, Plan, cells, measure, measure_empty, mode_name};
 use crate::report::{Output, count, rounded, rss_mb};
 use serde::Serialize;
 use std::sync::Arc;
@@ -25,6 +25,18 @@ struct Report {
     rss_mb: Option<f64>,
     gpu_mb: f64,
     cells: Vec<Cell>,
+    /// Both promises over time side by side, at 1/3 and 2/3.
+    temporal: Vec<RuleCell>,
+}
+
+/// A cell of HDLOD under one of the promises over time.
+#[derive(Clone, Serialize, Debug)]
+pub struct RuleCell {
+    /// Which promise.
+    pub temporal: &'static str,
+    /// The figures.
+    #[serde(flatten)]
+    pub cell: Cell,
 }
 
 /// Measures, prints the table and reports.
@@ -42,7 +54,13 @@ pub fn run(args: &args::Bench) -> anyhow::Result<Outcome> {
     let (empty_ms, cells) = {
         let _line = terminal::ProgressLine::show(&progress);
         let empty_ms = empty(&stage.gpu, &stage.scene.focus_bounds(), &plan, &progress)?;
-        (empty_ms, measure_all(&mut stage, &modes, &plan, &progress)?)
+        (empty_ms, measure_all(&mut stage, &cells(&modes), &plan, &progress)?)
+    };
+    let (bake_seconds, cache_hit) = (stage.bake_seconds(), stage.cache_hit());
+    let gpu_mb = rounded(stage.renderer.gpu_bytes() as f64 / 1e6, 1);
+    let temporal = match common.lod {
+        Some(_) => Vec::new(),
+        None => both_rules(&mut stage, args, &cells, &plan, &progress)?,
     };
     let model = &stage.scene.model;
     let report = Report {
@@ -53,12 +71,13 @@ pub fn run(args: &args::Bench) -> anyhow::Result<Outcome> {
         triangles: model.triangle_count(),
         activities: stage.scene.schedule.activities.len(),
         load_seconds: rounded(stage.load_seconds, 3),
-        bake_seconds: stage.bake_seconds(),
-        cache_hit: stage.cache_hit(),
+        bake_seconds,
+        cache_hit,
         empty_ms,
         rss_mb: rss_mb(),
-        gpu_mb: rounded(stage.renderer.gpu_bytes() as f64 / 1e6, 1),
+        gpu_mb,
         cells,
+        temporal,
     };
     output.say(&report.text());
     output.write(&report)?;
@@ -73,13 +92,41 @@ fn empty(gpu: &Gpu, focus: &Aabb, plan: &Plan, progress: &Progress) -> anyhow::R
     measure_empty(&mut renderer, focus, plan, progress)
 }
 
+/// The dates at which the two promises are compared: in between most is partly there.
+const BETWEEN: [Moment; 2] = [Moment::Third, Moment::TwoThirds];
+
+/// The cells of HDLOD at 1/3 and 2/3 under the rule in force, and measured under the other one.
+/// Leaves the other tree on the stage.
+fn both_rules(
+    stage: &mut Stage,
+    args: &args::Bench,
+    measured: &[Cell],
+    plan: &Plan,
+    progress: &Arc<Progress>,
+) -> anyhow::Result<Vec<RuleCell>> {
+    let own = args.common.temporal;
+    let is_between = |c: &&Cell| c.mode == DrawMode::Hdlod && BETWEEN.contains(&c.moment);
+    let with = |rule: args::TemporalRule, cells: Vec<Cell>| {
+        cells.into_iter().map(move |cell| RuleCell { temporal: rule.name(), cell })
+    };
+    let own_cells = measured.iter().filter(is_between).cloned().collect();
+
+    let common = args::Common { temporal: own.other(), ..args.common.clone() };
+    stage.change_tree(&common, args.caching.cache())?;
+    stage.keep_tree();
+    let mut keys = cells(&[DrawMode::Hdlod]);
+    keys.retain(|key| BETWEEN.contains(&key.moment));
+    let _line = terminal::ProgressLine::show(progress);
+    let other_cells = measure_all(stage, &keys, plan, progress)?;
+    Ok(with(own, own_cells).chain(with(own.other(), other_cells)).collect())
+}
+
 fn measure_all(
     stage: &mut Stage,
-    modes: &[DrawMode],
+    keys: &[CellKey],
     plan: &Plan,
     progress: &Progress,
 ) -> anyhow::Result<Vec<Cell>> {
-    let keys = cells(modes);
     let mut measured = Vec::new();
     for (i, key) in keys.iter().enumerate() {
         let (moment, coverage) = (key.moment.name(), key.coverage.name());
@@ -104,6 +151,7 @@ impl Report {
         );
         text.push_str(&table::measured(&self.cells));
         text.push_str(&table::compared(&self.cells));
+        text.push_str(&table::rules(&self.temporal));
         text.push_str(&format!(
             "\nA frame with nothing in it takes {:.1} ms. Memory: {} MB, on the GPU {} MB.\n",
             self.empty_ms,

@@ -43,6 +43,9 @@ pub fn run(args: &args::Render, started: Instant) -> anyhow::Result<Outcome> {
     let output = Output::new(args.common.json.clone());
     let mode = args.common.lod.unwrap_or(args::Lod::Hdlod).into();
     let mut stage = Stage::set(&args.common, &[mode], args.caching.cache())?;
+    if args.color_levels {
+        stage.color_levels().context("cannot bring the coloured tree onto the GPU")?;
+    }
     let input = FrameInput { view: view(args, &stage.scene)?, time: args.at, mode };
     let renderer = &mut stage.renderer;
     let picture = stage.phases.time("first picture", || {

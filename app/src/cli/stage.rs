@@ -72,6 +72,31 @@ impl Stage {
         self.baked.as_ref().is_some_and(|b| b.from_cache)
     }
 
+    /// Another tree in place of the one that is shown.
+    ///
+    /// # Errors
+    /// When the GPU has no room.
+    pub fn change_tree(&mut self, args: &args::Common, cache: Option<Cache>) -> anyhow::Result<()> {
+        // There may not be room for both.
+        self.baked = None;
+        self.renderer.clear_hdlod();
+        let baked = bake(&self.scene, args, cache, &Arc::default())?;
+        self.renderer.set_hdlod(&baked.tree).context("cannot bring the HDLOD tree onto the GPU")?;
+        self.baked = Some(baked);
+        Ok(())
+    }
+
+    /// Draws clusters in the colours of their levels from now on.
+    ///
+    /// # Errors
+    /// When the GPU has no room.
+    pub fn color_levels(&mut self) -> anyhow::Result<()> {
+        let Some(baked) = &self.baked else { return Ok(()) };
+        let (scene, tree) = hdlod::color_by_level(&self.scene, &baked.tree);
+        self.renderer.set_scene(&Arc::new(scene))?;
+        Ok(self.renderer.set_hdlod(&Arc::new(tree))?)
+    }
+
     /// Brings a tree that was built into the cache.
     pub fn keep_tree(&mut self) {
         if let Some(baked) = &mut self.baked {

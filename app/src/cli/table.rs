@@ -1,5 +1,6 @@
 //! The paper's table as text.
 
+use super::bench::RuleCell;
 use crate::bench::{Cell, Coverage, Moment, mode_name};
 use crate::flip::Difference;
 use crate::report::{columns, grouped};
@@ -106,6 +107,40 @@ pub fn compared(cells: &[Cell]) -> String {
         }
     }
     format!("\n{}", columns(&rows))
+}
+
+/// Both promises over time side by side: what they cost, and how far their pictures are from full
+/// detail.
+pub fn rules(cells: &[RuleCell]) -> String {
+    let rules = ["tight", "paper"];
+    let mut rows = vec![vec!["Exact in time / paper's delta".to_owned(), String::new()]];
+    for rule in rules {
+        let names = ["ms", "triangles", "clusters", "FLIP", "coverage"];
+        rows[0].extend(names.map(|name| format!("{rule} {name}")));
+    }
+    for (moment, at) in Moment::ALL {
+        for (coverage, from) in Coverage::ALL {
+            let of = |rule: &str| {
+                let same = |c: &&RuleCell| {
+                    (c.temporal, c.cell.moment, c.cell.coverage) == (rule, moment, coverage)
+                };
+                cells.iter().find(same).map(|c| &c.cell)
+            };
+            let (Some(tight), Some(paper)) = (of(rules[0]), of(rules[1])) else { continue };
+            let mut row = vec![at.to_owned(), from.to_owned()];
+            for cell in [tight, paper] {
+                row.extend([
+                    ms(cell.frame_ms),
+                    grouped(cell.triangles),
+                    grouped(cell.clusters),
+                    cell.flip.map_or("-".to_owned(), |f| format!("{f:.3}")),
+                    cell.coverage_change.map_or("-".to_owned(), |c| format!("{:+.1} %", c * 100.0)),
+                ]);
+            }
+            rows.push(row);
+        }
+    }
+    if rows.len() > 1 { format!("\n{}", columns(&rows)) } else { String::new() }
 }
 
 /// Whether HDLOD is worth it in every cell, and true; names the cells where it is not.

@@ -28,6 +28,7 @@ const MENUS: [(&str, &[&str]); 5] = [
             "Inspector",
             "Timeline",
             "Frame figures",
+            "Color by level",
             "Dark or light",
         ],
     ),
@@ -92,6 +93,7 @@ fn entry(ui: &mut Ui, state: &AppState, action: &Action, commands: &mut Vec<Comm
 fn is_on(state: &AppState, command: &Command) -> bool {
     match command {
         Command::SetMode(mode) => state.mode == *mode,
+        Command::ToggleLevelColors => state.level_colors,
         Command::Toggle(Panel::Inspector) => state.panels.inspector,
         Command::Toggle(Panel::Timeline) => state.panels.timeline,
         Command::Toggle(Panel::Figures) => state.panels.figures,

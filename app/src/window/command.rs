@@ -69,6 +69,8 @@ pub enum Command {
     SetMode(DrawMode),
     /// Largest error allowed on the picture, physical pixels.
     SetTolerance(f32),
+    /// Colour clusters by their level, or not.
+    ToggleLevelColors,
     /// Build the tree again after its building was cancelled.
     BuildHdlod,
     /// Stop building the tree; the scene stays drawn in full detail.
@@ -190,6 +192,7 @@ pub fn actions() -> Vec<Action> {
         action(C::Toggle(Panel::Timeline), "Timeline", Some(S::key(Key::T))),
         action(C::Toggle(Panel::Figures), "Frame figures", Some(S::key(Key::P))),
         action(C::Toggle(Panel::Diagnostics), "Diagnostics", Some(S::key(Key::D))),
+        action(C::ToggleLevelColors, "Color by level", Some(S::key(Key::C))),
         action(C::ToggleScheme, "Dark or light", Some(S::key(Key::L))),
         action(C::TogglePlay, "Play or pause", Some(S::key(Key::Space))),
         step(1, "Day forward", S::key(Key::ArrowRight)),

@@ -128,6 +128,8 @@ pub struct AppState {
     pub mode: DrawMode,
     /// Largest error allowed on the picture, physical pixels.
     pub tolerance_px: f32,
+    /// Whether clusters take their colour from their level.
+    pub level_colors: bool,
     /// The selected element.
     pub selected: Option<ElementId>,
 
@@ -166,6 +168,7 @@ impl AppState {
             fitted: true,
             mode: DrawMode::Hdlod,
             tolerance_px: 1.0,
+            level_colors: false,
             selected: None,
             frames: FrameLog::default(),
             panels: Panels::default(),
@@ -246,6 +249,7 @@ impl AppState {
                     self.frames.clear();
                 }
             }
+            Command::ToggleLevelColors => self.level_colors = !self.level_colors,
             Command::BuildHdlod => self.build_tree(),
             Command::CancelHdlod => {
                 if matches!(self.tree, Tree::Building(_)) {

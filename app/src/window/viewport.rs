@@ -12,7 +12,7 @@ use egui_wgpu::RenderState;
 use glam::{UVec2, Vec2, Vec3};
 use std::sync::Arc;
 use topout_render::{FrameInput, FrameStats, Gpu, Renderer};
-use topout_scene::{Aabb, Hdlod, Scene};
+use topout_scene::{Aabb, Hdlod, Scene, hdlod};
 
 /// Nearer (below 1) per notch of a mouse wheel.
 const ZOOM_PER_NOTCH: f32 = 0.82;
@@ -26,6 +26,8 @@ pub struct Viewport {
     texture: Option<(TextureId, UVec2)>,
     scene: Option<Arc<Scene>>,
     tree: Option<Arc<Hdlod>>,
+    /// What is uploaded has the colours of levels.
+    level_colors: bool,
     drawn: Option<FrameInput>,
     /// The last frame, as long as the GPU has not told how long it took.
     untimed: Option<FrameStats>,
@@ -61,6 +63,7 @@ impl Viewport {
             texture: None,
             scene: None,
             tree: None,
+            level_colors: false,
             drawn: None,
             untimed: None,
             gesture: None,
@@ -166,21 +169,34 @@ impl Viewport {
     fn take_over(&mut self, state: &AppState) -> Vec<Command> {
         let mut errors = Vec::new();
         let Some(project) = &state.project else { return errors };
-        if !self.scene.as_ref().is_some_and(|s| Arc::ptr_eq(s, &project.scene)) {
-            let taken = self.renderer.set_scene(&project.scene);
+        let tree = match &state.tree {
+            Tree::Ready(tree) => Some(tree),
+            _ => None,
+        };
+        let level_colors = state.level_colors && tree.is_some();
+        let same_scene = self.scene.as_ref().is_some_and(|s| Arc::ptr_eq(s, &project.scene));
+        if !same_scene || level_colors != self.level_colors {
             self.scene = Some(Arc::clone(&project.scene));
             self.tree = None;
+            self.level_colors = level_colors;
             self.drawn = None;
-            if let Err(error) = taken {
+            // In the colours of levels the scene comes with its tree.
+            if !level_colors && let Err(error) = self.renderer.set_scene(&project.scene) {
                 errors.push(Command::Report(error.to_string()));
             }
         }
-        if let Tree::Ready(tree) = &state.tree
+        if let Some(tree) = tree
             && !self.tree.as_ref().is_some_and(|t| Arc::ptr_eq(t, tree))
         {
-            let taken = self.renderer.set_hdlod(tree);
             self.tree = Some(Arc::clone(tree));
             self.drawn = None;
+            let taken = if level_colors {
+                let (scene, tree) = hdlod::color_by_level(&project.scene, tree);
+                let taken = self.renderer.set_scene(&Arc::new(scene));
+                taken.and_then(|()| self.renderer.set_hdlod(&Arc::new(tree)))
+            } else {
+                self.renderer.set_hdlod(tree)
+            };
             if let Err(error) = taken {
                 errors.push(Command::Report(error.to_string()));
             }

@@ -101,6 +101,7 @@ pub fn build(scene: &Scene, settings: &Settings, progress: &Progress) -> Result<
         stats.push(LevelStats {
             level,
             eps_m: ground.ladder.eps_m(level),
+            gamma_limit: ground.ladder.gamma(level),
             clusters: parents.len(),
             active: active.len(),
             triangles: active.iter().map(|&i| drafts[i as usize].triangles).sum(),

@@ -10,6 +10,7 @@
 //! | what may stand for what in time | `presence` | R11 |
 //! | the loop over levels | `build` | H4, H6, H7, H11, R2, R9 |
 //! | other dates for a tree | `restate`, `repair` | H6, H7, R11 |
+//! | what the tree is like | `report`, `paint` | H13, H14 |
 //! | what to draw | `select` | H8, H9, H10, R1, R5 to R8 |
 //!
 //! What is promised, mode [`Temporal::Tight`]: at every date, every point that a cluster draws is
@@ -26,9 +27,11 @@ mod cover;
 mod grouping;
 mod hilbert;
 mod ladder;
+mod paint;
 mod parts;
 mod presence;
 mod repair;
+mod report;
 mod restate;
 mod select;
 mod soup;
@@ -37,6 +40,8 @@ pub(crate) mod tests;
 mod validate;
 
 pub use build::build;
+pub use paint::color_by_level;
+pub use report::LevelReport;
 pub use restate::{OtherScene, Pair, Restated};
 pub use select::{delta_m, draws_part, select};
 pub use soup::Run;
@@ -178,6 +183,8 @@ pub struct LevelStats {
     pub level: u32,
     /// eps(l) in metres.
     pub eps_m: f32,
+    /// gamma(l); binding in mode paper alone.
+    pub gamma_limit: f64,
     /// Clusters made.
     pub clusters: usize,
     /// Nodes active after it.

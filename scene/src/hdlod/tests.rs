@@ -127,7 +127,7 @@ pub(crate) fn built(scene: &Scene, temporal: Temporal) -> Hdlod {
     build(scene, &Settings { temporal }, &Progress::default()).unwrap()
 }
 
-fn leaves_below(hdlod: &Hdlod, node: Node, out: &mut Vec<ElementId>) {
+pub(crate) fn leaves_below(hdlod: &Hdlod, node: Node, out: &mut Vec<ElementId>) {
     match node {
         Node::Leaf(id) => out.push(id),
         Node::Cluster(i) => {
@@ -138,7 +138,7 @@ fn leaves_below(hdlod: &Hdlod, node: Node, out: &mut Vec<ElementId>) {
     }
 }
 
-fn element_triangles(scene: &Scene, id: ElementId, out: &mut Vec<[Vec3; 3]>) {
+pub(crate) fn element_triangles(scene: &Scene, id: ElementId, out: &mut Vec<[Vec3; 3]>) {
     let mut triangles = Vec::new();
     for instance in scene.model.instances_of(&scene.model.elements[id.index()]) {
         let mesh = &scene.model.meshes[instance.mesh.index()];
