@@ -62,13 +62,13 @@ impl Hdlod {
                 gamma_limit: stats.gamma_limit,
                 active: stats.active,
                 active_triangles: stats.triangles,
-                ..self.level_of(own, &clusters)
+                ..self.level_figures(own, &clusters)
             });
         }
         report
     }
 
-    fn level_of(&self, members: &[u32], figures: &[Figures]) -> LevelReport {
+    fn level_figures(&self, members: &[u32], figures: &[Figures]) -> LevelReport {
         let clusters = || members.iter().map(|&i| &self.clusters[i as usize]);
         let figures = || members.iter().map(|&i| &figures[i as usize]);
         let mut gammas: Vec<f64> = clusters().map(|c| c.gamma).collect();
