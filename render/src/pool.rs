@@ -3,6 +3,7 @@
 use crate::gpu::{Gpu, GpuError};
 use bytemuck::{Pod, Zeroable};
 use glam::Affine3A;
+use std::ops::Range;
 use topout_scene::{Hdlod, Material, Mesh, Scene, Vertex};
 use wgpu::BufferUsages;
 
@@ -49,6 +50,8 @@ impl From<&Material> for MaterialRow {
 pub(crate) struct Geometry {
     pub vertices: wgpu::Buffer,
     pub indices: wgpu::Buffer,
+    vertex_count: usize,
+    index_count: usize,
 }
 
 /// Where a unique mesh lies in the pool.
@@ -103,6 +106,8 @@ impl Geometry {
                 usage | BufferUsages::VERTEX,
             )?,
             indices: gpu.buffer(labels[1], indices * INDEX_BYTES, usage | BufferUsages::INDEX)?,
+            vertex_count: vertices as usize,
+            index_count: indices as usize,
         })
     }
 
@@ -174,6 +179,23 @@ impl Pool {
         upload.finish();
         self.clusters = Some(geometry);
         Ok(())
+    }
+
+    /// Sends parts of the indices of clusters whose vertices and number of indices are those that are
+    /// there; false if they cannot be.
+    pub fn update_clusters(&mut self, gpu: &Gpu, hdlod: &Hdlod, dirty: &[Range<usize>]) -> bool {
+        let Some(clusters) = &self.clusters else { return false };
+        if clusters.vertex_count != hdlod.vertices.len()
+            || clusters.index_count != hdlod.indices.len()
+        {
+            return false;
+        }
+        for range in dirty {
+            let offset = range.start as u64 * INDEX_BYTES;
+            let bytes = bytemuck::cast_slice(&hdlod.indices[range.clone()]);
+            gpu.queue.write_buffer(&clusters.indices, offset, bytes);
+        }
+        true
     }
 
     /// Bytes on the GPU.

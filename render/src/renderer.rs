@@ -10,6 +10,7 @@ use crate::readback::{Picture, texture_bytes};
 use crate::targets::Targets;
 use crate::timing::GpuTimer;
 use glam::UVec2;
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
 use topout_scene::{Aabb, Hdlod, Scene, View, hdlod};
@@ -178,6 +179,35 @@ impl Renderer {
             pool.set_clusters(&self.gpu, hdlod)?;
             self.hdlod = Some(Arc::clone(hdlod));
         }
+        Ok(())
+    }
+
+    /// Takes other dates for the scene that is set: a scene made of it by an edit of its schedule,
+    /// which shares its model, and the tree that was brought along, of whose indices only those in
+    /// `dirty` changed since it was set ([`Hdlod::restate`]). Where that is not what is set, everything
+    /// is uploaded.
+    ///
+    /// # Errors
+    /// As [`Renderer::set_scene`] and [`Renderer::set_hdlod`].
+    pub fn update(
+        &mut self,
+        scene: &Arc<Scene>,
+        hdlod: &Arc<Hdlod>,
+        dirty: &[Range<usize>],
+    ) -> Result<(), GpuError> {
+        let same_model = |old: &Arc<Scene>| Arc::ptr_eq(&old.model, &scene.model);
+        if !self.scene.as_ref().is_some_and(same_model) {
+            self.set_scene(scene)?;
+        }
+        self.scene = Some(Arc::clone(scene));
+        let sent = match &mut self.pool {
+            Some(pool) if self.hdlod.is_some() => pool.update_clusters(&self.gpu, hdlod, dirty),
+            _ => false,
+        };
+        if !sent {
+            return self.set_hdlod(hdlod);
+        }
+        self.hdlod = Some(Arc::clone(hdlod));
         Ok(())
     }
 

@@ -8,7 +8,7 @@ use common::*;
 use glam::{Affine3A, Quat, Vec3};
 use std::sync::Arc;
 use topout_render::{Antialias, DrawMode, FrameInput, Options};
-use topout_scene::{Progress, Projection, Scene, View, hdlod};
+use topout_scene::{BehaviourId, ElementId, Progress, Projection, Scene, View, hdlod};
 use topout_schedule::{Behaviour, Time};
 
 const SIZE: (u32, u32) = (160, 120);
@@ -233,6 +233,54 @@ fn hdlod_is_exact_without_tolerance_and_cheaper_from_afar() {
     r.clear_hdlod();
     assert_eq!(r.gpu_bytes(), bare + (320 * 200 - 1) * 12);
     assert_eq!(shot(&mut r, view, DrawMode::Hdlod), batched);
+}
+
+/// The crowd goes up in two halves. When the first half is moved behind the second, the runs of
+/// clusters change places: what is sent of them gives the picture that a whole upload gives, at
+/// every date, and the scene's geometry stays where it is.
+#[test]
+fn other_dates_are_sent_in_parts() {
+    let from = |day| Behaviour::new(false, vec![Time::from_seconds(day)]).unwrap();
+    let mut scene = Scene::clone(&crowd());
+    scene.behaviours = vec![from(10), from(20), from(30)];
+    let half = |i: usize| BehaviourId(u32::from(i % 4 >= 2));
+    scene.element_behaviour = (0..200).map(half).collect();
+    let scene = Arc::new(scene);
+    let settings = hdlod::Settings::default();
+    let tree = hdlod::build(&scene, &settings, &Progress::default()).unwrap();
+
+    let mut after = Scene::clone(&scene);
+    let moved = |b: BehaviourId| if b.0 == 0 { BehaviourId(2) } else { b };
+    after.element_behaviour.iter_mut().for_each(|b| *b = moved(*b));
+    let changed: Vec<_> = (0..200).filter(|i| i % 4 < 2).map(ElementId).collect();
+    let mut edited = tree.clone();
+    let done = edited.restate(&after, &changed).unwrap();
+    assert!(!done.dirty.is_empty());
+    let (after, edited) = (Arc::new(after), Arc::new(edited));
+
+    let mut whole = renderer();
+    whole.set_scene(&after).unwrap();
+    whole.set_hdlod(&edited).unwrap();
+    let mut parts = renderer();
+    parts.set_scene(&scene).unwrap();
+    parts.set_hdlod(&Arc::new(tree)).unwrap();
+    let bytes = parts.gpu_bytes();
+    parts.update(&after, &edited, &done.dirty).unwrap();
+    assert_eq!(parts.gpu_bytes(), bytes);
+    // A few pixels a cube: clusters of several cubes are within the tolerance.
+    let mut view = look(Vec3::new(32.0, 24.0, 88.0), Vec3::ZERO, (320, 200));
+    view.tolerance_px = 6.0;
+    let mut seen = Vec::new();
+    for day in [15, 25, 35] {
+        let input = FrameInput { view, time: Time::from_seconds(day), mode: DrawMode::Hdlod };
+        let stats = whole.render(&input);
+        assert_eq!(parts.render(&input).triangles, stats.triangles);
+        assert!(stats.clusters > 0 || day == 15, "{stats:?}");
+        let (a, b) = (whole.read_back().unwrap(), parts.read_back().unwrap());
+        assert_eq!(a, b, "day {day}");
+        seen.push(covered(&a));
+    }
+    assert!(seen[0] == 0 && 0 < seen[1] && seen[1] < seen[2], "{seen:?}");
 }
 
 /// From the middle of a ring of cubes, in many directions and both projections: leaving out what

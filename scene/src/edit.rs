@@ -42,21 +42,39 @@ pub enum EditError {
 impl Scene {
     /// Moves activities, given by their index in [`Schedule::activities`]; of several dates for one
     /// activity the last count. The project's period stays, also where an activity leaves it.
+    /// Returns the elements whose behaviour is another one now, in order.
     ///
     /// # Errors
-    /// When an activity does not exist or would end before it starts.
-    pub fn with_activity_dates(&self, moves: &[(usize, TimeRange)]) -> Result<Edited, EditError> {
-        let mut schedule = self.schedule.clone();
-        let count = schedule.activities.len();
+    /// When an activity does not exist or would end before it starts; nothing was moved then.
+    pub fn move_activities(
+        &mut self,
+        moves: &[(usize, TimeRange)],
+    ) -> Result<Vec<ElementId>, EditError> {
+        let count = self.schedule.activities.len();
         for &(index, dates) in moves {
-            let activity =
-                schedule.activities.get_mut(index).ok_or(EditError::NoActivity { index, count })?;
+            let activity = self.schedule.activities.get(index);
+            let activity = activity.ok_or(EditError::NoActivity { index, count })?;
             if dates.end < dates.start {
                 return Err(EditError::Reversed { id: activity.id.clone(), dates });
             }
-            (activity.start, activity.end) = (Some(dates.start), Some(dates.end));
         }
-        Ok(self.rescheduled(schedule))
+        let mut moved = vec![false; count];
+        for &(index, dates) in moves {
+            let activity = &mut self.schedule.activities[index];
+            (activity.start, activity.end) = (Some(dates.start), Some(dates.end));
+            moved[index] = true;
+        }
+        Ok(self.follow_activities(&moved))
+    }
+
+    /// [`Scene::move_activities`] on a copy.
+    ///
+    /// # Errors
+    /// The same.
+    pub fn with_activity_dates(&self, moves: &[(usize, TimeRange)]) -> Result<Edited, EditError> {
+        let mut scene = self.clone();
+        let changed = scene.move_activities(moves)?;
+        Ok(Edited { scene, changed })
     }
 
     /// The same scene with a schedule whose activities are the same and in the same order and
@@ -66,46 +84,49 @@ impl Scene {
             a.id == b.id && a.kind == b.kind && a.active == b.active && a.elements == b.elements
         };
         let (ours, theirs) = (&self.schedule.activities, &schedule.activities);
-        (ours.len() == theirs.len() && ours.iter().zip(theirs).all(|(a, b)| alike(a, b)))
-            .then(|| self.rescheduled(schedule))
-    }
-
-    /// Works out anew the behaviours of the elements that activities with other dates touch.
-    fn rescheduled(&self, schedule: Schedule) -> Edited {
-        let pairs = self.schedule.activities.iter().zip(&schedule.activities);
-        let moved: Vec<bool> = pairs.map(|(a, b)| (a.start, a.end) != (b.start, b.end)).collect();
-        let mut table = Table::new(&self.behaviours);
-        let mut by_activities: HashMap<&[u32], BehaviourId> = HashMap::new();
-        let mut element_behaviour = self.element_behaviour.clone();
-        let mut changed = Vec::new();
-        for (i, own) in element_behaviour.iter_mut().enumerate() {
-            let id = ElementId(i as u32);
-            let activities = self.activities_of(id);
-            if !activities.iter().any(|&a| moved[a as usize]) {
-                continue;
-            }
-            let behaviour = *by_activities.entry(activities).or_insert_with(|| {
-                table.id_of(presence_by_activities(&schedule.activities, activities))
-            });
-            if *own != behaviour {
-                *own = behaviour;
-                changed.push(id);
-            }
+        if ours.len() != theirs.len() || !ours.iter().zip(theirs).all(|(a, b)| alike(a, b)) {
+            return None;
         }
-        let mut behaviours = self.behaviours.clone();
-        behaviours.extend(table.new);
+        let dates = |a: &Activity| (a.start, a.end);
+        let moved: Vec<bool> = ours.iter().zip(theirs).map(|(a, b)| dates(a) != dates(b)).collect();
         let mut scene = Scene {
             model: Arc::clone(&self.model),
             schedule,
-            behaviours,
-            element_behaviour,
+            behaviours: self.behaviours.clone(),
+            element_behaviour: self.element_behaviour.clone(),
             activity_starts: self.activity_starts.clone(),
             activity_links: self.activity_links.clone(),
             link_diagnostics: self.link_diagnostics.clone(),
             diagnostics: Default::default(),
         };
         scene.collect_diagnostics();
-        Edited { scene, changed }
+        let changed = scene.follow_activities(&moved);
+        Some(Edited { scene, changed })
+    }
+
+    /// Works out anew the behaviours of the elements that moved activities touch.
+    fn follow_activities(&mut self, moved: &[bool]) -> Vec<ElementId> {
+        let mut table = Table::new(&self.behaviours);
+        let mut by_activities: HashMap<&[u32], BehaviourId> = HashMap::new();
+        let mut changes = Vec::new();
+        for id in (0..self.element_behaviour.len() as u32).map(ElementId) {
+            let activities = self.activities_of(id);
+            if !activities.iter().any(|&a| moved[a as usize]) {
+                continue;
+            }
+            let behaviour = *by_activities.entry(activities).or_insert_with(|| {
+                table.id_of(presence_by_activities(&self.schedule.activities, activities))
+            });
+            if self.element_behaviour[id.index()] != behaviour {
+                changes.push((id, behaviour));
+            }
+        }
+        let new = table.new;
+        self.behaviours.extend(new);
+        for &(id, behaviour) in &changes {
+            self.element_behaviour[id.index()] = behaviour;
+        }
+        changes.into_iter().map(|c| c.0).collect()
     }
 }
 

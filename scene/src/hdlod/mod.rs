@@ -18,6 +18,8 @@
 //! is within `eps` of something that the cluster draws. Mode [`Temporal::Paper`]: the paper's
 //! delta, a figure of merit and not a proof of a picture (R3).
 
+#[doc(hidden)]
+pub mod bench_support;
 mod build;
 #[allow(dead_code)]
 mod bvh;
