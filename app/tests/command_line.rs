@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 fn help_names_every_sub_command() {
     let help = topout(["--help"]);
     assert_eq!(help.code, 0);
-    for sub in ["demo", "check", "bake", "render", "bench"] {
+    for sub in ["demo", "check", "bake", "render", "bench", "verify"] {
         assert!(help.stdout.contains(&format!("\n  {sub} ")), "{sub} in {}", help.stdout);
         assert_eq!(topout([sub, "--help"]).code, 0);
     }
@@ -121,7 +121,7 @@ fn several_models_make_one_scene() {
     assert_eq!(report["triangles"], 36);
 }
 
-/// What `demo` writes is what `check`, `bake`, `render` and `bench` read.
+/// What `demo` writes is what `check`, `bake`, `render`, `bench` and `verify` read.
 #[test]
 fn a_written_demo_goes_through_every_sub_command() {
     let folder = Folder::new();
@@ -154,6 +154,17 @@ fn a_written_demo_goes_through_every_sub_command() {
     let measured = topout(["bench", "--size", "320x180"].iter().chain(&project)).good_json();
     bench_is_complete(&measured);
     both_rules_are_compared(&measured);
+
+    let verify = ["verify", "--size", "480x270"];
+    let verified = topout(verify.iter().chain(&project)).good_json();
+    assert_keys(&verified, &["paper_worst_region_px", "worst_px", "findings"]);
+    for key in ["structure_violations", "eps_violations", "gamma_violations", "promise_violations"]
+    {
+        assert_eq!(verified[key], 0, "{key}: {verified}");
+    }
+    assert_eq!(verified["clusters_checked"], baked["clusters"]);
+    assert!(number(&verified, "points_checked") > 20_000.0, "{verified}");
+    assert!((0.05..=1.0).contains(&number(&verified, "worst_px")), "{verified}");
 }
 
 /// What the tree is like, level by level.

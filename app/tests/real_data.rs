@@ -84,3 +84,20 @@ fn the_house_grows() {
         assert!(differing(i, i + 1) > 1000, "the picture changes after step {i}");
     }
 }
+
+/// The tree of a real house keeps its certificates and its promise, in every cluster and picture.
+#[test]
+fn the_house_is_what_its_tree_says() {
+    let Some([project, _]) = projects() else { return };
+    let mut args = vec!["verify".to_owned()];
+    args.extend_from_slice(&project);
+    args.extend(["--size", "640x360", "--json", "-"].map(str::to_owned));
+    let report = topout(&args).good_json();
+    for key in ["structure_violations", "eps_violations", "gamma_violations", "promise_violations"]
+    {
+        assert_eq!(report[key], 0, "{key}: {report}");
+    }
+    assert!(number(&report, "clusters_checked") > 100.0, "{report}");
+    assert!(number(&report, "points_checked") > 100_000.0, "{report}");
+    assert!(number(&report, "worst_px") <= 1.01, "{report}");
+}

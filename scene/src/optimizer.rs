@@ -132,6 +132,57 @@ pub(crate) fn decode_indices(packed: &[u8], count: usize, width: usize) -> Resul
     Ok(index_bytes(&indices, width))
 }
 
+/// Which of the library's simplifiers.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Way {
+    /// Edge contraction by quadrics that keeps the topology.
+    Default,
+    /// Clustering on a grid.
+    Sloppy,
+}
+
+/// Simplifies a soup as far as an error in metres allows, and says what error the library reports
+/// (metres). Corners at one place are one vertex. For comparison only: the figure is no bound (R10).
+pub(crate) fn simplify(
+    soup: &[[glam::Vec3; 3]],
+    error_m: f32,
+    way: Way,
+) -> (Vec<[glam::Vec3; 3]>, f32) {
+    let mut places = std::collections::HashMap::new();
+    let mut positions: Vec<[f32; 3]> = Vec::new();
+    let indices: Vec<u32> = soup
+        .iter()
+        .flatten()
+        .map(|corner| {
+            // Adding zero makes -0 and 0 the same bits.
+            let position = (*corner + glam::Vec3::ZERO).to_array();
+            *places.entry(position.map(f32::to_bits)).or_insert_with(|| {
+                positions.push(position);
+                positions.len() as u32 - 1
+            })
+        })
+        .collect();
+    let scale = meshopt::simplify_scale_decoder(&positions).max(f32::MIN_POSITIVE);
+    let (error, mut reported) = (error_m / scale, 0f32);
+    let kept = match way {
+        Way::Default => meshopt::simplify_decoder(
+            &indices,
+            &positions,
+            0,
+            error,
+            meshopt::SimplifyOptions::None,
+            Some(&mut reported),
+        ),
+        Way::Sloppy => {
+            meshopt::simplify_sloppy_decoder(&indices, &positions, 0, error, Some(&mut reported))
+        }
+    };
+    let triangles = kept
+        .chunks_exact(3)
+        .map(|t| [t[0], t[1], t[2]].map(|i| glam::Vec3::from(positions[i as usize])));
+    (triangles.collect(), reported * scale)
+}
+
 /// Packing, for tests that build compressed files.
 #[cfg(test)]
 pub(crate) mod pack {

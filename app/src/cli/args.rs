@@ -55,6 +55,8 @@ pub enum Command {
     Bench(Bench),
     /// List or clear the trees that were built before.
     Cache(Cache),
+    /// Check the tree's certified errors and its promise in pixels against full detail.
+    Verify(Verify),
 }
 
 /// How files are read.
@@ -259,6 +261,26 @@ pub enum CacheAction {
     List,
     /// Remove all trees.
     Clear,
+}
+
+/// `topout verify`
+#[derive(Args, Debug)]
+pub struct Verify {
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub common: Common,
+
+    /// Check every cluster and every pixel instead of a sample.
+    #[arg(long)]
+    pub full: bool,
+
+    /// Also measure how tight the certified errors are, beside those a simplifier reports.
+    #[arg(long)]
+    pub certificates: bool,
+
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub caching: Caching,
 }
 
 /// Way of drawing.

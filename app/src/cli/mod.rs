@@ -10,6 +10,7 @@ mod render;
 mod stage;
 mod table;
 mod terminal;
+mod verify;
 
 use crate::project;
 use args::{Cli, Command};
@@ -31,7 +32,7 @@ const NO_ADAPTER: u8 = 3;
 /// How a sub-command ended, when it did its work.
 enum Outcome {
     Fine,
-    /// The work is done, and it found errors in the data.
+    /// The work is done, and it found errors in the data, or promises that are not kept.
     BadData,
 }
 
@@ -47,6 +48,7 @@ pub fn run() -> ExitCode {
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Bench(args)) => bench::run(&args),
         Some(Command::Cache(args)) => cache::run(&args),
+        Some(Command::Verify(args)) => verify::run(&args),
         None => crate::window::run(Some(cli.viewer_request())).map(|()| Outcome::Fine),
     };
     match result {

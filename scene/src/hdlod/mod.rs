@@ -18,12 +18,11 @@
 //! is within `eps` of something that the cluster draws. Mode [`Temporal::Paper`]: the paper's
 //! delta, a figure of merit and not a proof of a picture (R3).
 
+pub mod audit;
 #[doc(hidden)]
 pub mod bench_support;
 mod build;
-#[allow(dead_code)]
 mod bvh;
-#[allow(dead_code)]
 mod certify;
 mod cover;
 mod grouping;
@@ -40,6 +39,7 @@ mod soup;
 #[cfg(test)]
 pub(crate) mod tests;
 mod validate;
+pub mod verify;
 
 pub use build::build;
 pub use paint::color_by_level;

@@ -69,7 +69,6 @@ impl<'a> PresenceTable<'a> {
 
     /// What must be spanned by whatever is present whenever this behaviour is: the interval around
     /// all presence, everything where time does not matter.
-    #[allow(dead_code)]
     pub fn span(&self, id: BehaviourId) -> (Time, Time) {
         let hull = self.hull(id);
         if self.time_exact { (hull.on, hull.off) } else { (Time::MIN, Time::MAX) }

@@ -100,24 +100,38 @@ impl Walk<'_> {
 
     fn draw(&mut self, cluster: &Cluster, share: Share) {
         let before = self.out.spans.len();
-        for (runs, layer) in cluster.layers.iter().zip([Layer::Opaque, Layer::Transparent]) {
-            let mut emit = |from: u32, to: u32| {
-                self.out.triangles += u64::from(to - from) / 3;
-                self.out.spans.push(Span {
-                    first_index: cluster.first_index + from,
-                    index_count: to - from,
-                    base_vertex: cluster.base_vertex,
-                    layer,
-                });
-            };
-            match self.hdlod.temporal {
-                Temporal::Tight => runs.present(&self.scene.behaviours, self.time, emit),
-                Temporal::Paper if draws_part(share) && runs.start < runs.end() => {
-                    emit(runs.start, runs.end())
-                }
-                Temporal::Paper => {}
-            }
-        }
+        spans(self.scene, self.hdlod, cluster, share, self.time, |span| {
+            self.out.triangles += u64::from(span.index_count) / 3;
+            self.out.spans.push(span);
+        });
         self.out.clusters += u32::from(self.out.spans.len() > before);
+    }
+}
+
+/// What a cluster draws at a date at which `share` of it is present, where it is good enough.
+pub(crate) fn spans(
+    scene: &Scene,
+    hdlod: &Hdlod,
+    cluster: &Cluster,
+    share: Share,
+    time: Time,
+    mut emit_span: impl FnMut(Span),
+) {
+    for (runs, layer) in cluster.layers.iter().zip([Layer::Opaque, Layer::Transparent]) {
+        let mut emit = |from: u32, to: u32| {
+            emit_span(Span {
+                first_index: cluster.first_index + from,
+                index_count: to - from,
+                base_vertex: cluster.base_vertex,
+                layer,
+            });
+        };
+        match hdlod.temporal {
+            Temporal::Tight => runs.present(&scene.behaviours, time, emit),
+            Temporal::Paper if draws_part(share) && runs.start < runs.end() => {
+                emit(runs.start, runs.end());
+            }
+            Temporal::Paper => {}
+        }
     }
 }

@@ -54,15 +54,15 @@ fn material(color: [f32; 4]) -> Material {
 }
 
 #[derive(Clone, Debug)]
-struct Part {
-    center: Vec3,
-    size: Vec3,
-    turn: f32,
-    mesh: u32,
-    behaviour: usize,
+pub(super) struct Part {
+    pub center: Vec3,
+    pub size: Vec3,
+    pub turn: f32,
+    pub mesh: u32,
+    pub behaviour: usize,
 }
 
-fn scene_of(parts: &[Part], behaviours: &[Behaviour]) -> Scene {
+pub(super) fn scene_of(parts: &[Part], behaviours: &[Behaviour]) -> Scene {
     let mut model = Model {
         meshes: (0..3).map(cube).collect(),
         materials: vec![
