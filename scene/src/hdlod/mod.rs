@@ -12,6 +12,7 @@
 //! | other dates for a tree | `restate`, `repair` | H6, H7, R11 |
 //! | what the tree is like | `report`, `paint` | H13, H14 |
 //! | what to draw | `select` | H8, H9, H10, R1, R5 to R8 |
+//! | is all of this true? | `verify`, `audit` | H4 to H7, R2, R3, R7, R8, R10, R11 |
 //!
 //! What is promised, mode [`Temporal::Tight`]: at every date, every point that a cluster draws is
 //! within its `eps` of some element below it that is present, and every point of those elements
