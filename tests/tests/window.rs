@@ -13,6 +13,7 @@ use std::time::Duration;
 use topout::project::Request;
 use topout::window::{AppState, Command, Panel, Window};
 use topout_render::DrawMode;
+use topout_scene::cache::Cache;
 use topout_scene::demo::{DemoSettings, generate};
 use topout_scene::{Progress, Scene, link};
 use topout_schedule::Time;
@@ -252,6 +253,26 @@ fn the_building_is_there_before_its_tree_and_does_not_move_when_it_comes() {
     assert_eq!(state(&harness).effective_mode(), DrawMode::Hdlod);
     assert_eq!((state(&harness).camera, state(&harness).time()), (camera, time));
     assert!(!state(&harness).frames.is_empty());
+}
+
+/// What one window built, the next finds, and says so.
+#[test]
+fn a_tree_that_was_kept_is_taken_from_the_cache() {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = Cache::new(folder.path().join("trees"), u64::MAX);
+    for (kept, origin) in [(0, "built"), (1, "taken from the cache")] {
+        assert_eq!(cache.list().unwrap().len(), kept);
+        let mut harness = empty();
+        let state = harness.state_mut().state_mut();
+        state.cache = Some(cache.clone());
+        state.show_scene(Request::demo(), scene());
+        settle(&mut harness);
+        harness.get_by_label(origin);
+        harness.get_by_label(cache.folder().to_str().unwrap());
+        // A window that closes waits until its tree is kept.
+        drop(harness);
+    }
+    assert_eq!(cache.list().unwrap().len(), 1);
 }
 
 /// The levels' colours are another picture of the same cut; without them all is as before.

@@ -220,7 +220,7 @@ pub struct Render {
     #[arg(long, value_name = "1/N", conflicts_with_all = ["eye", "target"])]
     pub coverage: Option<Coverage>,
 
-    /// Colour clusters by the level that made them, from blue (fine) to red (coarse); exact
+    /// Colour clusters by the level that made them, from violet (fine) to red (coarse); exact
     /// elements are grey.
     #[arg(long)]
     pub color_levels: bool,

@@ -8,6 +8,7 @@ use crate::report::{Output, grouped, rounded};
 use anyhow::Context;
 use serde::Serialize;
 use serde_json::{Map, Value};
+use std::fmt::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
 use topout_render::{FrameInput, FrameStats, Picture, Renderer};
@@ -147,10 +148,14 @@ impl Report {
             ),
             _ => String::new(),
         };
+        let mut phases = String::new();
+        for (name, seconds) in &self.phases {
+            let _ = write!(phases, "\n    {name:<30}{:>7.2}", seconds.as_f64().unwrap_or_default());
+        }
         format!(
             "{file}\n  at       {at}: {elements} elements of {whole} triangles are there\n  \
              drawn    {triangles} triangles{promise}\n  frame    {frame:.1} ms with {lod} on \
-             {adapter}\n  start    {load:.1} s to load, {first:.1} s to the picture",
+             {adapter}\n  start    {load:.1} s to load, {first:.1} s to the picture{phases}",
             file = self.file,
             at = self.at,
             elements = grouped(self.present_elements as u64),

@@ -8,15 +8,15 @@ use std::sync::Arc;
 /// How much of what is behind shows through transparent parts.
 const GLASS: f32 = 0.35;
 
-/// The same scene and tree in other colours: clusters from blue (the first level that made any)
-/// over green and yellow to red (the root's), elements grey. Transparent parts stay so.
+/// The same scene and tree in other colours: clusters from violet (the first level that made any)
+/// over blue, green and yellow to red (the root's), elements grey. Transparent parts stay so.
 ///
 /// Only materials differ, so [`super::select`] cuts both trees alike.
 pub fn color_by_level(scene: &Scene, tree: &Hdlod) -> (Scene, Hdlod) {
     let levels = || tree.clusters.iter().map(|c| c.level);
     let (first, last) = (levels().min().unwrap_or(0), levels().max().unwrap_or(0));
     // Two of each: solid, then transparent; the first pair is that of elements.
-    let mut materials = pair(Vec3::splat(0.45));
+    let mut materials = pair(Vec3::splat(0.3));
     for level in first..=last {
         let share = (level - first) as f32 / (last - first).max(1) as f32;
         materials.extend(pair(rainbow(share)));
@@ -52,14 +52,16 @@ fn pair(color: Vec3) -> Vec<Material> {
     vec![material(1.0), material(GLASS)]
 }
 
-/// Linear RGB from blue (0) to red (1).
+/// Linear RGB from violet (0) to red (1).
 fn rainbow(share: f32) -> Vec3 {
-    const STOPS: [Vec3; 5] = [
-        Vec3::new(0.03, 0.10, 0.60),
-        Vec3::new(0.02, 0.45, 0.60),
-        Vec3::new(0.08, 0.50, 0.06),
-        Vec3::new(0.85, 0.60, 0.03),
-        Vec3::new(0.70, 0.03, 0.02),
+    const STOPS: [Vec3; 7] = [
+        Vec3::new(0.22, 0.04, 0.50),
+        Vec3::new(0.02, 0.10, 0.65),
+        Vec3::new(0.00, 0.40, 0.55),
+        Vec3::new(0.03, 0.36, 0.04),
+        Vec3::new(0.80, 0.62, 0.02),
+        Vec3::new(0.85, 0.20, 0.01),
+        Vec3::new(0.50, 0.01, 0.01),
     ];
     let place = share.clamp(0.0, 1.0) * (STOPS.len() - 1) as f32;
     let below = (place as usize).min(STOPS.len() - 2);
