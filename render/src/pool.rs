@@ -4,7 +4,7 @@ use crate::gpu::{Gpu, GpuError};
 use bytemuck::{Pod, Zeroable};
 use glam::Affine3A;
 use std::ops::Range;
-use topout_scene::{Hdlod, Material, Mesh, Scene, Vertex};
+use topout_scene::{Hdlod, Material, Mesh, Scene, Vertex, hdlod};
 use wgpu::BufferUsages;
 
 /// Bytes of one vertex.
@@ -134,7 +134,11 @@ impl Pool {
         let usage = BufferUsages::COPY_DST;
         let instance_bytes = (model.instances.len() as u64 + 1) * INSTANCE_BYTES;
         let instances = gpu.buffer("instances", instance_bytes, usage | BufferUsages::VERTEX)?;
-        let material_bytes = model.materials.len().max(1) * size_of::<MaterialRow>();
+        // Those of the model, then those that clusters mix of them.
+        let blends = hdlod::blends(model.materials.len());
+        let rows: Vec<MaterialRow> =
+            model.materials.iter().chain(&blends).map(MaterialRow::from).collect();
+        let material_bytes = rows.len().max(1) * size_of::<MaterialRow>();
         let materials =
             gpu.buffer("materials", material_bytes as u64, usage | BufferUsages::STORAGE)?;
 
@@ -150,7 +154,6 @@ impl Pool {
         }
         upload.push(&[InstanceRow::from(&Affine3A::IDENTITY)]);
         upload.finish();
-        let rows: Vec<MaterialRow> = model.materials.iter().map(MaterialRow::from).collect();
         let mut upload = Upload::new(gpu, &materials);
         upload.push(&rows);
         upload.finish();

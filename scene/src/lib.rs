@@ -25,4 +25,4 @@ pub use progress::{Cancelled, Progress};
 pub use scene::{
     BehaviourId, Element, ElementId, Group, GroupId, Instance, Material, MeshId, Model, Scene,
 };
-pub use view::{Containment, Frustum, NamedView, Projection, View};
+pub use view::{Containment, Frustum, Lens, NamedView, Projection, View};

@@ -2,7 +2,7 @@
 
 use crate::Aabb;
 use glam::camera::rh::{proj::directx, view};
-use glam::{Mat4, UVec2, Vec3, Vec4};
+use glam::{Mat3, Mat4, UVec2, Vec2, Vec3, Vec4};
 
 /// How space is brought onto the picture.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -187,31 +187,76 @@ impl View {
         }
     }
 
+    /// Shorthand for [`Lens::error_px`] where only a few boxes are asked for.
+    pub fn error_px(&self, delta: f32, bounds: &Aabb) -> f32 {
+        self.lens().error_px(delta, bounds)
+    }
+
+    /// Prepares the question how large an error appears.
+    pub fn lens(&self) -> Lens {
+        let rotation = Mat3::from_mat4(self.view_from_world()).transpose();
+        let tan_y = match self.projection {
+            Projection::Perspective { fov_y } => (fov_y * 0.5).tan(),
+            Projection::Orthographic { .. } => 0.0,
+        };
+        Lens {
+            eye: self.eye,
+            right: rotation.x_axis,
+            up: rotation.y_axis,
+            forward: -rotation.z_axis,
+            frame: Vec2::new(tan_y * self.aspect(), tan_y),
+            scale_px: self.scale_px(),
+            parallel: matches!(self.projection, Projection::Orthographic { .. }),
+        }
+    }
+}
+
+/// What a view makes of errors in space (R7, R8).
+#[derive(Clone, Copy, Debug)]
+pub struct Lens {
+    eye: Vec3,
+    right: Vec3,
+    up: Vec3,
+    forward: Vec3,
+    /// Tangents of the angles between the line of sight and the frame's right and upper edge.
+    frame: Vec2,
+    /// Perspective: the focal length in pixels; parallel: pixels a metre.
+    scale_px: f32,
+    parallel: bool,
+}
+
+impl Lens {
     /// An upper bound in pixels of what an error of `delta` metres within `bounds` can displace
     /// on the picture (R7, R8); infinite when the box is too near for any promise.
     ///
-    /// Proof for perspective, with f the focal length in pixels and T the angle between the line
-    /// of sight and the frame's corner. Let p be a point of the box inside the frame, q a point
-    /// with |p - q| <= delta, and z_p, z_q their depths. p is at least d from the eye and at most
-    /// T off the axis, so z_p >= d cos T and z_q >= d cos T - delta. With x the lateral position,
-    /// x_p / z_p - x_q / z_q = ((x_p - x_q) - (x_p / z_p)(z_p - z_q)) / z_q. The numerator is the
-    /// image of p - q under a map of norm sqrt(1 + |x_p / z_p|^2) <= 1 / cos T, so the picture
-    /// moves by at most f delta / (cos T (d cos T - delta)).
+    /// Proof for perspective, with f the focal length in pixels. Let p be a point of the box
+    /// inside the frame, at depth z_p and with tangents t = (x_p / z_p, y_p / z_p), and q a point
+    /// with |p - q| <= delta, so that z_q >= z_p - delta. On the picture they are apart by
+    /// f |(x_p - x_q) - t (z_p - z_q)| / z_q, x being the two lateral coordinates; the numerator
+    /// is the image of p - q under a map of norm sqrt(1 + |t|^2) = s. So the picture moves by at
+    /// most f delta s / (z_p - delta). The box bounds both: each component of t by its largest
+    /// lateral coordinate over its smallest depth and by the frame, z_p by its smallest depth and,
+    /// since p is at least the box's distance d away and |p| = s z_p, by d / s.
     pub fn error_px(&self, delta: f32, bounds: &Aabb) -> f32 {
         if delta <= 0.0 {
             return 0.0;
         }
-        let scale = self.scale_px();
-        match self.projection {
-            Projection::Perspective { fov_y } => {
-                let tan_y = (fov_y * 0.5).tan();
-                let tan_x = tan_y * self.aspect();
-                let cos = 1.0 / (1.0 + tan_x * tan_x + tan_y * tan_y).sqrt();
-                let depth = bounds.distance(self.eye) * cos - delta;
-                if depth <= 0.0 { f32::INFINITY } else { scale * delta / (cos * depth) }
-            }
-            Projection::Orthographic { .. } => scale * delta,
+        if self.parallel {
+            return self.scale_px * delta;
         }
+        let (center, half) = (bounds.center() - self.eye, bounds.size() * 0.5);
+        let nearest = self.forward.dot(center) - self.forward.abs().dot(half);
+        let mut tangent = self.frame;
+        if nearest > 0.0 {
+            let lateral = Vec2::new(
+                self.right.dot(center).abs() + self.right.abs().dot(half),
+                self.up.dot(center).abs() + self.up.abs().dot(half),
+            );
+            tangent = tangent.min(lateral / nearest);
+        }
+        let stretch = (1.0 + tangent.length_squared()).sqrt();
+        let depth = nearest.max(bounds.distance(self.eye) / stretch) - delta;
+        if depth <= 0.0 { f32::INFINITY } else { self.scale_px * delta * stretch / depth }
     }
 }
 

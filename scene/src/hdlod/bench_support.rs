@@ -4,7 +4,8 @@ use super::certify::{self, Limits};
 use super::cover;
 use super::grouping;
 use super::presence::PresenceTable;
-use super::soup::{Palette, Triangle, append_instance};
+use super::palette::Palette;
+use super::soup::{Triangle, append_instance};
 use crate::{Aabb, ElementId, Scene};
 
 /// The elements around a point as one soup, as a cluster's source.

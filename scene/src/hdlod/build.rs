@@ -3,9 +3,10 @@
 use super::cover::simplify;
 use super::grouping::group;
 use super::ladder::Ladder;
+use super::palette::Palette;
 use super::presence::{PresenceTable, presence_weight};
 use super::restate::Pair;
-use super::soup::{Geometry, Palette, Triangle, append_instance};
+use super::soup::{Geometry, Triangle, append_instance};
 use super::{Cluster, Hdlod, LevelStats, MAX_STEPS, Node, Settings, Temporal};
 use crate::{Aabb, Cancelled, ElementId, Progress, Scene};
 use rayon::prelude::*;

@@ -22,11 +22,12 @@
 //! The certificate is one of shape. That the picture keeps its colours is a matter of which covers
 //! are allowed: see [`DISTINCT_HEIGHT`] and [`Palette::alike`].
 
-use super::parts;
+use super::palette::Palette;
+use super::parts::{self, Flat, FlatLimits};
 use super::presence::PresenceTable;
 use super::restate::Pair;
-use super::soup::{Palette, Triangle};
-use crate::Aabb;
+use super::soup::Triangle;
+use crate::{Aabb, Layer};
 use glam::{IVec3, Vec3};
 use std::collections::HashSet;
 use std::ops::Range;
@@ -44,6 +45,17 @@ const DISTINCT_HEIGHT: f32 = 1.5;
 /// Thickness of a part that becomes a rectangle, as a share of the budget: seen from its edge the
 /// rectangle is nothing, so the part must be nearly nothing there too.
 const FLAT_SHARE: f32 = 1.2;
+
+/// Triangles at most this many times the budget high may be covered by any colour, which takes
+/// their colour in: they are about a pixel. 1.0 draws 10 % more triangles at 1/1.
+const SLIM_HEIGHT: f32 = 1.25;
+
+/// What is higher is only covered by what lies about parallel (cosine of the angle): a facade whose
+/// panels were left to the edges of the slabs behind them is open.
+const PARALLEL: f32 = 0.7;
+
+/// Least share of its own colour that a triangle keeps when others are merged into it.
+const OWN_SHARE: f32 = 0.3;
 
 /// Midpoint subdivisions tried before a cover counts as not found.
 const SUBDIVISIONS: u32 = 3;
@@ -77,14 +89,14 @@ pub(crate) fn simplify(
     }
 
     let cover_m = budget_m - 2.0 * slack;
-    let mut work = Work::snapped(source, snap_m, cover_m);
+    let mut work = Work::snapped(source, snap_m, cover_m, palette);
     work.index(cover_m);
     work.delete_collapsed(cover_m, presence);
     work.delete_covered(cover_m, presence, palette);
     let distance_m = work.distance_m + 2.0 * slack;
     let mut pairs: Vec<_> = work.pairs.drain().collect();
     pairs.sort_unstable();
-    Simplified { triangles: work.finish(), distance_m, pairs }
+    Simplified { triangles: work.finish(palette), distance_m, pairs }
 }
 
 /// What may be kept: one or two triangles that stand for some sources.
@@ -97,11 +109,29 @@ struct Item {
     sources: Range<u32>,
     /// Items of one rectangle have the same number and live and die together.
     unit: u32,
+    /// In the middle of a thin part: it has no side.
+    flat: bool,
+    /// What it took the place of.
+    mixed: Mixed,
     dead: bool,
     locked: bool,
 }
 
 impl Item {
+    /// `panes`: how many times its area the part has, as a ray would meet it.
+    fn flat(
+        mut triangle: Triangle,
+        sources: Range<u32>,
+        unit: u32,
+        palette: &Palette,
+        panes: f32,
+    ) -> Self {
+        if triangle.layer == Layer::Transparent {
+            triangle.material = palette.thick(triangle.material, panes);
+        }
+        Self { flat: true, ..Self::new(triangle, sources, unit) }
+    }
+
     fn new(triangle: Triangle, sources: Range<u32>, unit: u32) -> Self {
         let cross = triangle.cross();
         Self {
@@ -111,6 +141,8 @@ impl Item {
             area: cross.length() * 0.5,
             sources,
             unit,
+            flat: false,
+            mixed: Mixed::default(),
             dead: false,
             locked: false,
         }
@@ -125,6 +157,8 @@ struct Work {
     collapsed: Vec<u32>,
     grid: Grid,
     distance_m: f32,
+    /// What covered the latest that was deleted; kept for its memory.
+    covers: Vec<u32>,
     /// See [`Simplified::pairs`].
     pairs: HashSet<Pair>,
 }
@@ -132,7 +166,7 @@ struct Work {
 impl Work {
     /// Flattens thin parts, moves the corners of the others by at most `snap_m` and sets aside
     /// what lost its area by that.
-    fn snapped(source: &[Triangle], snap_m: f32, cover_m: f32) -> Self {
+    fn snapped(source: &[Triangle], snap_m: f32, cover_m: f32, palette: &Palette) -> Self {
         // A point of a cube is at most half the diagonal from its centre.
         let cell = 2.0 * snap_m / 3f32.sqrt();
         let mut work = Self {
@@ -141,6 +175,7 @@ impl Work {
             collapsed: Vec::new(),
             grid: Grid::default(),
             distance_m: 0.0,
+            covers: Vec::new(),
             pairs: HashSet::new(),
         };
         for part in parts::connected(source) {
@@ -148,18 +183,32 @@ impl Work {
             work.sources.extend(part.iter().map(|&i| source[i as usize]));
             let range = first..work.sources.len() as u32;
             let members = &work.sources[first as usize..];
-            if let Some(flat) =
-                parts::flatten(members, cover_m, cover_m * FLAT_SHARE, cover_m * DISTINCT_HEIGHT)
-            {
-                work.distance_m = work.distance_m.max(flat.distance_m);
-                for half in flat.halves {
-                    work.items.push(Item::new(half, range.clone(), first));
+            let limits = FlatLimits {
+                radius: cover_m,
+                thickness_m: cover_m * FLAT_SHARE,
+                small_m: cover_m * DISTINCT_HEIGHT,
+            };
+            match parts::flatten(members, limits) {
+                Some(Flat::Rectangle { halves, distance_m }) => {
+                    work.distance_m = work.distance_m.max(distance_m);
+                    for half in halves {
+                        let panes = panes(members, &halves);
+                        work.items.push(Item::flat(half, range.clone(), first, palette, panes));
+                    }
                 }
-            } else {
-                range.for_each(|place| work.snap(place, cell, cover_m));
+                Some(Flat::Sheet { kept, rest, moved_m }) => {
+                    work.distance_m = work.distance_m.max(moved_m);
+                    for (place, triangle) in kept {
+                        let place = first + place;
+                        let own = place..place + 1;
+                        // The other side of the sheet is gone.
+                        work.items.push(Item::flat(triangle, own, place, palette, 2.0));
+                    }
+                    work.collapsed.extend(rest.iter().map(|place| first + place));
+                }
+                None => range.for_each(|place| work.snap(place, cell, cover_m)),
             }
         }
-        work.items.sort_by(|a, b| b.area.total_cmp(&a.area));
         work
     }
 
@@ -185,6 +234,7 @@ impl Work {
     }
 
     fn index(&mut self, radius: f32) {
+        self.items.sort_by(|a, b| b.area.total_cmp(&a.area));
         let corners = self.sources.iter().flat_map(|t| t.corners);
         let bounds = self.items.iter().fold(Aabb::of_points(corners), |b, i| b.union(&i.bounds));
         self.grid = Grid::new(&bounds.grown(radius), radius);
@@ -202,7 +252,7 @@ impl Work {
         for place in collapsed {
             let original = self.sources[place as usize];
             let covered = self.cover(place..place + 1, place, radius, &|c| {
-                presence.includes(c.behaviour, original.behaviour)
+                presence.includes(c.triangle.behaviour, original.behaviour)
             });
             if !covered {
                 let mut item = Item::new(original, place..place + 1, place);
@@ -225,16 +275,21 @@ impl Work {
             // What is slimmer than the error may take any colour, what is a mere line on the
             // picture may also go behind glass.
             let slim = triangle.height();
-            let (any_color, any_layer) = (slim <= radius, slim <= 0.5 * radius);
-            let distinct = slim > DISTINCT_HEIGHT * radius;
+            let (any_color, any_layer) =
+                (slim <= SLIM_HEIGHT * radius, slim <= 0.5 * SLIM_HEIGHT * radius);
+            let distinct = slim > DISTINCT_HEIGHT * radius && !item.flat;
             let facing = triangle.cross();
             let covered = self.cover(item.sources.clone(), item.unit, radius, &|c| {
-                (!distinct || c.cross().dot(facing) > 0.0)
-                    && (any_layer || c.layer == triangle.layer)
-                    && (any_color || palette.alike(c.material, triangle.material))
-                    && presence.includes(c.behaviour, triangle.behaviour)
+                (!distinct || c.flat || c.triangle.cross().dot(facing) > 0.0)
+                    && (any_color || c.normal.dot(facing).abs() > PARALLEL * facing.length())
+                    && (any_layer || c.triangle.layer == triangle.layer)
+                    && (any_color || palette.alike(c.triangle.material, triangle.material))
+                    && presence.includes(c.triangle.behaviour, triangle.behaviour)
             });
             self.items[i].dead = covered;
+            if covered && any_color {
+                self.mix(i, twin.is_some(), palette);
+            }
             if let Some(twin) = twin {
                 self.items[twin].dead = covered;
             }
@@ -247,7 +302,7 @@ impl Work {
         sources: Range<u32>,
         own: u32,
         radius: f32,
-        may: &dyn Fn(&Triangle) -> bool,
+        may: &dyn Fn(&Item) -> bool,
     ) -> bool {
         let mut query = Query {
             items: &self.items,
@@ -266,19 +321,79 @@ impl Work {
         }
         let Query { found, worst, .. } = query;
         self.distance_m = self.distance_m.max(worst);
-        for i in found {
+        for &i in &found {
             let item = &mut self.items[i as usize];
             item.locked = true;
             let keeper = item.triangle.behaviour;
             let covered = self.sources[range.clone()].iter().map(|s| s.behaviour);
             self.pairs.extend(covered.filter(|&c| c != keeper).map(|c| (keeper, c)));
         }
+        self.covers = found;
         true
     }
 
+    /// Gives the colour of what is deleted to what covers it from the same direction.
+    fn mix(&mut self, deleted: usize, pair: bool, palette: &Palette) {
+        let item = &self.items[deleted];
+        let (normal, material) = (item.normal, item.triangle.material);
+        let area = item.area * if pair { 2.0 } else { 1.0 };
+        let mut covers = std::mem::take(&mut self.covers);
+        covers.retain(|&i| self.items[i as usize].normal.dot(normal).abs() > PARALLEL);
+        let share = area / covers.len().max(1) as f32;
+        for &i in &covers {
+            self.items[i as usize].mixed.add(palette, material, share);
+        }
+        self.covers = covers;
+    }
+
     /// What was kept. A rectangle's half stays when the other is needed.
-    fn finish(self) -> Vec<Triangle> {
-        self.items.into_iter().filter(|i| !i.dead).map(|i| i.triangle).collect()
+    fn finish(self, palette: &Palette) -> Vec<Triangle> {
+        let kept = self.items.into_iter().filter(|i| !i.dead);
+        kept.map(|item| {
+            let mut triangle = item.triangle;
+            triangle.material = item.mixed.over(palette, triangle.material, item.area);
+            triangle
+        })
+        .collect()
+    }
+}
+
+/// How many surfaces of a part lie one behind the other where a rectangle stands for it.
+fn panes(part: &[Triangle], halves: &[Triangle; 2]) -> f32 {
+    let area = |triangles: &[Triangle]| triangles.iter().map(Triangle::area).sum::<f32>();
+    (area(part) / area(halves).max(f32::MIN_POSITIVE)).clamp(1.0, 4.0)
+}
+
+/// What several surfaces look like together.
+#[derive(Clone, Copy, Default)]
+struct Mixed {
+    /// Gamma-encoded, times opacity and area.
+    color: Vec3,
+    /// Times area.
+    opacity: f32,
+    area: f32,
+}
+
+impl Mixed {
+    fn add(&mut self, palette: &Palette, material: u16, area: f32) {
+        let opacity = palette.opacity(material);
+        self.color += palette.color(material) * (opacity * area);
+        self.opacity += opacity * area;
+        self.area += area;
+    }
+
+    /// The material of a surface with all this on it or beside it. What lies on it hides it, what
+    /// lies beside it adds to it; either way some of it is left.
+    fn over(mut self, palette: &Palette, material: u16, area: f32) -> u16 {
+        if self.area == 0.0 {
+            return material;
+        }
+        self.add(palette, material, (area - self.area).max(area * OWN_SHARE));
+        palette.blend(
+            material,
+            self.color / self.opacity.max(f32::MIN_POSITIVE),
+            self.opacity / self.area,
+        )
     }
 }
 
@@ -287,7 +402,7 @@ struct Query<'a> {
     grid: &'a Grid,
     own: u32,
     radius: f32,
-    may: &'a dyn Fn(&Triangle) -> bool,
+    may: &'a dyn Fn(&Item) -> bool,
     found: Vec<u32>,
     worst: f32,
 }
@@ -347,7 +462,7 @@ impl Query<'_> {
             return None;
         }
         let distance = distance_to_triangle(point, item.triangle.corners);
-        (distance <= self.radius && (self.may)(&item.triangle)).then_some(distance)
+        (distance <= self.radius && (self.may)(item)).then_some(distance)
     }
 }
 
@@ -486,4 +601,80 @@ pub(crate) fn distance_to_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
         return ap.length().min(bp.length()).min(cp.length());
     }
     (ap - ab * (vb / sum) - ac * (vc / sum)).length()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{BehaviourId, Material};
+    use topout_schedule::Behaviour;
+
+    fn plate(min: [f32; 2], max: [f32; 2], z: f32, material: u16) -> [Triangle; 2] {
+        let p = |x: f32, y: f32| Vec3::new(x, y, z);
+        let (a, b) = (p(min[0], min[1]), p(max[0], min[1]));
+        let (c, d) = (p(max[0], max[1]), p(min[0], max[1]));
+        [[a, b, c], [a, c, d]].map(|corners| Triangle {
+            corners,
+            normals: [[0; 2]; 3],
+            material,
+            layer: Layer::Opaque,
+            behaviour: BehaviourId(0),
+        })
+    }
+
+    fn materials() -> Vec<Material> {
+        let of = |color: [f32; 4]| Material {
+            name: String::new(),
+            color,
+            roughness: 1.0,
+            metallic: 0.0,
+            transparent: false,
+        };
+        vec![of([1.0; 4]), of([0.0, 0.0, 0.0, 1.0])]
+    }
+
+    fn simplified(source: &[Triangle], budget_m: f32) -> Simplified {
+        let behaviours = [Behaviour::always()];
+        let presence = PresenceTable::new(&behaviours, true);
+        simplify(source, budget_m, &presence, &Palette::new(&materials()))
+    }
+
+    /// Black windows on a white wall that are less than a pixel each: the wall turns grey by as
+    /// much as they cover, and what covers them is still one wall.
+    #[test]
+    fn what_is_merged_leaves_its_colour() {
+        let mut source = plate([0.0, 0.0], [20.0, 10.0], 0.0, 0).to_vec();
+        for x in 0..10 {
+            for y in 0..5 {
+                let corner = [x as f32 * 2.0 + 0.5, y as f32 * 2.0 + 0.5];
+                source.extend(plate(corner, [corner[0] + 1.0, corner[1] + 1.0], 0.05, 1));
+            }
+        }
+        let result = simplified(&source, 1.0);
+        assert_eq!(result.triangles.len(), 2);
+        let palette = Palette::new(&materials());
+        for triangle in &result.triangles {
+            let grey = palette.color(triangle.material);
+            // A quarter of the wall is black.
+            assert!((grey.x - 0.75).abs() < 0.1, "{grey}");
+        }
+        let apart = simplified(&source, 0.2);
+        assert_eq!(apart.triangles.len(), source.len(), "what can be told apart stays");
+    }
+
+    /// A facade panel is not left to the edge of a slab behind it.
+    #[test]
+    fn what_stands_is_not_covered_by_what_lies() {
+        let panel = plate([0.0, 0.0], [4.0, 1.4], 0.0, 0);
+        let mut source = panel.to_vec();
+        for y in [0.0, 0.7, 1.4] {
+            let slab = plate([0.0, 0.1], [4.0, 8.0], 0.0, 0)
+                .map(|t| Triangle { corners: t.corners.map(|c| Vec3::new(c.x, y, c.y)), ..t });
+            source.extend(slab);
+        }
+        let result = simplified(&source, 1.0);
+        let upright =
+            result.triangles.iter().filter(|t| t.cross().z.abs() > t.cross().y.abs()).count();
+        assert_eq!(upright, 2);
+    }
 }

@@ -30,6 +30,7 @@ mod grouping;
 mod hilbert;
 mod ladder;
 mod paint;
+mod palette;
 mod parts;
 mod presence;
 mod repair;
@@ -45,6 +46,7 @@ pub mod verify;
 pub use build::build;
 pub use paint::color_by_level;
 pub use report::LevelReport;
+pub use palette::blends;
 pub use restate::{OtherScene, Pair, Restated};
 pub use select::{delta_m, draws_part, select};
 pub use soup::Run;
@@ -56,7 +58,7 @@ use topout_schedule::{BoundedStep, TimeRange};
 
 /// Counts up whenever [`build`] gives another tree for the same scene and settings: trees that an
 /// earlier version left in the cache are then built anew.
-pub const ALGORITHM: u32 = 2;
+pub const ALGORITHM: u32 = 3;
 
 /// Which promise a tree makes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]

@@ -2,9 +2,10 @@
 //! same thresholds, other geometry.
 
 use super::cover::simplify;
+use super::palette::Palette;
 use super::presence::PresenceTable;
 use super::restate::{Images, Pair, Parents};
-use super::soup::{Geometry, Palette, Triangle, append_instance, append_runs};
+use super::soup::{Geometry, Triangle, append_instance, append_runs};
 use super::{Cluster, Hdlod, Node, Settings, Temporal, build};
 use crate::{Aabb, Cancelled, Progress, Scene};
 use rayon::prelude::*;

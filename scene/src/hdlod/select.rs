@@ -1,7 +1,7 @@
 //! Display (Fig. 4; H8, H9 with R1, R5 to R8): the cut of the tree for a view at a date.
 
 use super::{Cluster, Hdlod, Node, Selection, Span, Temporal};
-use crate::{Containment, ElementId, Frustum, Layer, Scene, View};
+use crate::{Containment, ElementId, Frustum, Layer, Lens, Scene, View};
 use topout_schedule::{Share, Time};
 
 /// Whether mode paper draws a cluster that is good enough, or leaves it out (R1): the smaller of
@@ -28,8 +28,15 @@ pub fn delta_m(cluster: &Cluster, share: Share) -> f32 {
 /// draws then is exact in time (R11). Paper: delta decides, and the cluster is drawn whole or
 /// left out (R1, R13). A leaf that is present is drawn (R6).
 pub fn select(scene: &Scene, hdlod: &Hdlod, view: &View, time: Time) -> Selection {
-    let mut walk =
-        Walk { scene, hdlod, view, frustum: view.frustum(), time, out: Selection::default() };
+    let mut walk = Walk {
+        scene,
+        hdlod,
+        tolerance_px: view.tolerance_px,
+        lens: view.lens(),
+        frustum: view.frustum(),
+        time,
+        out: Selection::default(),
+    };
     if let Some(root) = hdlod.root {
         walk.node(root, false);
     }
@@ -42,7 +49,8 @@ pub fn select(scene: &Scene, hdlod: &Hdlod, view: &View, time: Time) -> Selectio
 struct Walk<'a> {
     scene: &'a Scene,
     hdlod: &'a Hdlod,
-    view: &'a View,
+    tolerance_px: f32,
+    lens: Lens,
     frustum: Frustum,
     time: Time,
     out: Selection,
@@ -87,8 +95,8 @@ impl Walk<'_> {
             Temporal::Tight => cluster.eps,
             Temporal::Paper => delta_m(cluster, share),
         };
-        let error_px = self.view.error_px(delta, &cluster.bounds);
-        if cluster.stale || error_px > self.view.tolerance_px {
+        let error_px = self.lens.error_px(delta, &cluster.bounds);
+        if cluster.stale || error_px > self.tolerance_px {
             for i in cluster.children.clone() {
                 self.node(self.hdlod.children[i as usize], inside);
             }

@@ -1,7 +1,7 @@
 //! Triangles that carry the behaviour of what they stand for, and the geometry of one cluster.
 
 use super::presence::{Hull, PresenceTable};
-use crate::{BehaviourId, Instance, Layer, Material, Mesh, Vertex, decode_normal, encode_normal};
+use crate::{BehaviourId, Instance, Layer, Mesh, Vertex, decode_normal, encode_normal};
 use glam::{Mat3, Vec3};
 use std::collections::HashMap;
 use std::ops::Range;
@@ -84,7 +84,8 @@ pub struct Run {
 ///
 /// Rule: runs `[..installed]` stay to the end once they came and are sorted by `on` rising, so
 /// those present at t are a prefix; runs `[installed..removed]` were there from the beginning
-/// and are sorted by `off` falling, again a prefix; the rest is asked one by one.
+/// and are sorted by `off` falling, again a prefix; the rest is sorted by `on` and asked one by
+/// one, up to the first that is still to come.
 #[derive(Clone, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub(crate) struct LayerRuns {
     pub runs: Vec<Run>,
@@ -107,7 +108,8 @@ impl LayerRuns {
         });
         let sorted = ordered
             && self.runs[..self.installed].is_sorted_by_key(|r| r.on)
-            && self.runs[self.installed..self.removed].is_sorted_by(|a, b| a.off >= b.off);
+            && self.runs[self.installed..self.removed].is_sorted_by(|a, b| a.off >= b.off)
+            && self.runs[self.removed..].is_sorted_by_key(|r| r.on);
         (self.start == first && known && sorted).then_some(end)
     }
 
@@ -181,9 +183,11 @@ impl LayerRuns {
         if stay > self.installed {
             add(self.start_of(self.installed), self.start_of(stay));
         }
-        for i in self.removed..self.runs.len() {
-            let run = &self.runs[i];
-            if run.on <= time && time < run.off && behaviours[run.behaviour.index()].at(time) {
+        for (i, run) in (self.removed..).zip(&self.runs[self.removed..]) {
+            if run.on > time {
+                break;
+            }
+            if time < run.off && behaviours[run.behaviour.index()].at(time) {
                 add(self.start_of(i), run.end);
             }
         }
@@ -279,30 +283,5 @@ pub(crate) fn append_runs(
             }
             start = run.end;
         }
-    }
-}
-
-/// Colours of materials in a roughly perceptual space, to ask whether one may stand for another.
-pub(crate) struct Palette {
-    colors: Vec<Vec3>,
-}
-
-impl Palette {
-    /// Largest distance (in gamma-encoded RGB, each in [0, 1]) at which two surfaces look alike.
-    const ALIKE: f32 = 0.12;
-
-    pub fn new(materials: &[Material]) -> Self {
-        let encode = |c: f32| c.clamp(0.0, 1.0).powf(1.0 / 2.2);
-        let colors = materials
-            .iter()
-            .map(|m| Vec3::new(encode(m.color[0]), encode(m.color[1]), encode(m.color[2])))
-            .collect();
-        Self { colors }
-    }
-
-    /// Whether a triangle of one material may be covered by one of the other at any size.
-    pub fn alike(&self, a: u16, b: u16) -> bool {
-        let color = |m: u16| self.colors.get(usize::from(m)).copied().unwrap_or(Vec3::ONE);
-        a == b || color(a).distance(color(b)) <= Self::ALIKE
     }
 }

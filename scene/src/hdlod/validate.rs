@@ -15,7 +15,8 @@ impl Hdlod {
     /// # Errors
     /// What is wrong first.
     pub fn validate(&self, scene: &Scene) -> Result<(), &'static str> {
-        let materials = scene.model.materials.len();
+        let own = scene.model.materials.len();
+        let materials = own + super::blends(own).len();
         let usable = |v: &Vertex| {
             usize::from(v.material) < materials && v.position.iter().all(|p| p.is_finite())
         };
