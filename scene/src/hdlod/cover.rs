@@ -29,7 +29,7 @@ use super::restate::Pair;
 use super::soup::Triangle;
 use crate::{Aabb, Layer};
 use glam::{IVec3, Vec3};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use std::ops::Range;
 
 /// How far corners may move to the grid, as a share of the budget. 0.3 and 0.7 draw within 5 % of
@@ -275,17 +275,22 @@ impl Work {
             // What is slimmer than the error may take any colour, what is a mere line on the
             // picture may also go behind glass.
             let slim = triangle.height();
-            let (any_color, any_layer) =
+            let (any_color, line) =
                 (slim <= SLIM_HEIGHT * radius, slim <= 0.5 * SLIM_HEIGHT * radius);
             let distinct = slim > DISTINCT_HEIGHT * radius && !item.flat;
             let facing = triangle.cross();
-            let covered = self.cover(item.sources.clone(), item.unit, radius, &|c| {
-                (!distinct || c.flat || c.triangle.cross().dot(facing) > 0.0)
-                    && (any_color || c.normal.dot(facing).abs() > PARALLEL * facing.length())
-                    && (any_layer || c.triangle.layer == triangle.layer)
-                    && (any_color || palette.alike(c.triangle.material, triangle.material))
-                    && presence.includes(c.triangle.behaviour, triangle.behaviour)
-            });
+            let (sources, unit) = (item.sources.clone(), item.unit);
+            let mut covered_by = |any_way: bool| {
+                self.cover(sources.clone(), unit, radius, &|c| {
+                    (!distinct || c.flat || c.triangle.cross().dot(facing) > 0.0)
+                        && (any_way || c.normal.dot(facing).abs() > PARALLEL * facing.length())
+                        && (line || c.triangle.layer == triangle.layer)
+                        && (any_color || palette.alike(c.triangle.material, triangle.material))
+                        && presence.includes(c.triangle.behaviour, triangle.behaviour)
+                })
+            };
+            // What lies the same way takes the colour in, so it is asked first.
+            let covered = covered_by(line) || (any_color && !line && covered_by(true));
             self.items[i].dead = covered;
             if covered && any_color {
                 self.mix(i, twin.is_some(), palette);
@@ -347,14 +352,40 @@ impl Work {
     }
 
     /// What was kept. A rectangle's half stays when the other is needed.
-    fn finish(self, palette: &Palette) -> Vec<Triangle> {
-        let kept = self.items.into_iter().filter(|i| !i.dead);
+    fn finish(mut self, palette: &Palette) -> Vec<Triangle> {
+        self.items.retain(|i| !i.dead);
+        even_out(&mut self.items);
+        let kept = self.items.into_iter();
         kept.map(|item| {
             let mut triangle = item.triangle;
             triangle.material = item.mixed.over(palette, triangle.material, item.area);
             triangle
         })
         .collect()
+    }
+}
+
+/// Gives triangles of one material that share their longest edge, the two halves of a rectangle,
+/// the same mixture: the eye sees one face.
+fn even_out(items: &mut [Item]) {
+    let mut halves = HashMap::new();
+    for i in 0..items.len() {
+        let Item { triangle, normal, .. } = &items[i];
+        let [a, b, c] = triangle.corners;
+        let longest = [(a, b), (b, c), (c, a)]
+            .into_iter()
+            .max_by(|x, y| x.0.distance(x.1).total_cmp(&y.0.distance(y.1)))
+            .expect("three edges");
+        let [p, q] = [longest.0, longest.1].map(|v| v.to_array().map(f32::to_bits));
+        let key = (p.min(q), p.max(q), triangle.material, triangle.behaviour);
+        let Some(other) = halves.insert(key, i) else { continue };
+        if normal.dot(items[other].normal).abs() > PARALLEL {
+            let both = items[i].mixed.with(items[other].mixed);
+            let area = items[i].area + items[other].area;
+            for half in [i, other] {
+                items[half].mixed = both.times(items[half].area / area);
+            }
+        }
     }
 }
 
@@ -380,6 +411,18 @@ impl Mixed {
         self.color += palette.color(material) * (opacity * area);
         self.opacity += opacity * area;
         self.area += area;
+    }
+
+    fn with(self, other: Self) -> Self {
+        Self {
+            color: self.color + other.color,
+            opacity: self.opacity + other.opacity,
+            area: self.area + other.area,
+        }
+    }
+
+    fn times(self, share: f32) -> Self {
+        Self { color: self.color * share, opacity: self.opacity * share, area: self.area * share }
     }
 
     /// The material of a surface with all this on it or beside it. What lies on it hides it, what

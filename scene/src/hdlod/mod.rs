@@ -45,8 +45,8 @@ pub mod verify;
 
 pub use build::build;
 pub use paint::color_by_level;
-pub use report::LevelReport;
 pub use palette::blends;
+pub use report::LevelReport;
 pub use restate::{OtherScene, Pair, Restated};
 pub use select::{delta_m, draws_part, select};
 pub use soup::Run;
