@@ -3,8 +3,8 @@
 use super::certify::{self, Limits};
 use super::cover;
 use super::grouping;
-use super::presence::PresenceTable;
 use super::palette::Palette;
+use super::presence::PresenceTable;
 use super::soup::{Triangle, append_instance};
 use crate::{Aabb, ElementId, Scene};
 

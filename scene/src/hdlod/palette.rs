@@ -148,7 +148,8 @@ mod tests {
             prop_assert!(usize::from(id) < n + blends(n).len());
             prop_assert!(palette.color(id).distance(wanted) < 0.08, "{wanted} {}", palette.color(id));
             let opacity = palette.opacity(id);
-            prop_assert!(if clear { (opacity - a).abs() < 0.07 } else { opacity == 1.0 });
+            let wanted = if clear { a } else { 1.0 };
+            prop_assert!((opacity - wanted).abs() < 0.07, "{opacity} for {wanted}");
         }
     }
 
