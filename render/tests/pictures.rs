@@ -221,7 +221,7 @@ fn hdlod_is_exact_without_tolerance_and_cheaper_from_afar() {
     assert!(wrong < batched.rgba.len() / 200, "{wrong}");
     assert_eq!(covered(&batched), covered(&exact));
 
-    let mut far = look(Vec3::new(800.0, 600.0, 2200.0), Vec3::ZERO, (320, 200));
+    let mut far = look(Vec3::new(160.0, 120.0, 440.0), Vec3::ZERO, (320, 200));
     far.tolerance_px = 1.0;
     let frame = |mode| FrameInput { view: far, time: Time::default(), mode };
     let coarse = r.render(&frame(DrawMode::Hdlod));

@@ -250,7 +250,7 @@ fn every_kind_of_wrong_reference_is_refused() {
         ("indices", &|t| t.indices.truncate(t.indices.len() - 3)),
         ("vertices", &|t| t.vertices.truncate(t.vertices.len() - 1)),
         ("position", &|t| t.vertices[2].position[1] = f32::NAN),
-        ("material", &|t| t.vertices[2].material = 77),
+        ("material", &|t| t.vertices[2].material = u16::MAX),
         ("child after parent", &|t| t.children[inner] = Node::Cluster(last as u32)),
         ("no such child", &|t| t.children[inner] = Node::Cluster(u32::MAX)),
         ("no such element", &|t| t.children[0] = Node::Leaf(ElementId(9999))),

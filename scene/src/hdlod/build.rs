@@ -29,6 +29,13 @@ const ALONE_TRIANGLES: usize = 192;
 /// A node on its own is tried again once the threshold is this many times its error.
 const ALONE_STEP: f32 = 2.5;
 
+/// Largest error of the root as a share of its diameter.
+const COARSEST_SHARE: f32 = 0.05;
+
+/// Of so many groups one is tried first: where none gains anything, as at the millimetres of the
+/// first levels, the level makes nothing.
+const SAMPLED: usize = 32;
+
 /// A node under construction. Leaves carry no geometry: it is taken from the scene.
 struct Draft {
     node: Node,
@@ -82,7 +89,7 @@ pub fn build(scene: &Scene, settings: &Settings, progress: &Progress) -> Result<
     let mut active: Vec<u32> = (0..drafts.len() as u32).collect();
     let mut stats = Vec::new();
     let mut level = 0;
-    while active.len() > 1 {
+    while active.len() > 1 || worth_going_on(&ground, &drafts, &active, level) {
         level += 1;
         // Once a group may be as large as the scene every pass divides the active nodes.
         let merged = merge_level(&ground, level, &drafts, &active, progress)?;
@@ -113,6 +120,16 @@ pub fn build(scene: &Scene, settings: &Settings, progress: &Progress) -> Result<
     tree.built.clone_from(&scene.element_behaviour);
     tree.period = scene.schedule.period;
     Ok(tree)
+}
+
+/// Whether the root may still become coarser: "root clusters can be simplified further" (R9), as
+/// long as its error is small against the scene.
+fn worth_going_on(ground: &Ground, drafts: &[Draft], active: &[u32], level: u32) -> bool {
+    active.iter().any(|&i| {
+        let draft = &drafts[i as usize];
+        draft.triangles >= ALONE_TRIANGLES
+            && ground.ladder.eps_m(level + 1) <= draft.bounds.diameter() * COARSEST_SHARE
+    })
 }
 
 /// One leaf an element that is ever present (H4): its own behaviour, no error.
@@ -169,17 +186,26 @@ fn merge_level(
     };
     let total: usize = groups.iter().map(|g| triangles_of(g)).sum();
     progress.begin(&format!("HDLOD: level {level}, {} groups", groups.len()), total as u64)?;
-    let merged: Result<Vec<Option<Draft>>, Cancelled> = groups
-        .par_iter()
-        .map(|members| {
-            progress.check()?;
-            let children: Vec<u32> = members.iter().map(|&i| active[i as usize]).collect();
-            let parent = merge(ground, level, drafts, children);
-            progress.advance(triangles_of(members) as u64)?;
-            Ok(parent)
-        })
-        .collect();
-    Ok(merged?.into_iter().flatten().collect())
+    let merge_all = |groups: &[Vec<u32>]| -> Result<Vec<Draft>, Cancelled> {
+        let merged: Result<Vec<Option<Draft>>, Cancelled> = groups
+            .par_iter()
+            .map(|members| {
+                progress.check()?;
+                let children: Vec<u32> = members.iter().map(|&i| active[i as usize]).collect();
+                let parent = merge(ground, level, drafts, children);
+                progress.advance(triangles_of(members) as u64)?;
+                Ok(parent)
+            })
+            .collect();
+        Ok(merged?.into_iter().flatten().collect())
+    };
+    if groups.len() > SAMPLED * SAMPLED {
+        let sample: Vec<Vec<u32>> = groups.iter().step_by(SAMPLED).cloned().collect();
+        if merge_all(&sample)?.is_empty() {
+            return Ok(Vec::new());
+        }
+    }
+    merge_all(&groups)
 }
 
 /// Active nodes outside all groups that are rich enough to be simplified alone.
