@@ -213,7 +213,7 @@ fn frame(part: &[Triangle], normal: Vec3) -> Option<Mat3> {
             let across = normal.cross(along);
             if best.is_some_and(|(_, m)| {
                 let turned = m.x_axis.dot(along).abs();
-                turned > 0.9999 || turned < 0.0141
+                !(0.0141..=0.9999).contains(&turned)
             }) {
                 continue;
             }
