@@ -20,7 +20,7 @@ use topout_schedule::Time;
 
 /// Counts up whenever a file is laid out in another way: also when a field of [`Hdlod`] or of a
 /// type in it comes, goes or changes its type.
-pub const FORMAT: u32 = 2;
+pub const FORMAT: u32 = 3;
 
 const MAGIC: [u8; 8] = *b"topoutLD";
 const ALIGNMENT: usize = 64;

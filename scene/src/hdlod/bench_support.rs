@@ -6,7 +6,7 @@ use super::grouping;
 use super::palette::Palette;
 use super::presence::PresenceTable;
 use super::soup::{Triangle, append_instance};
-use crate::{Aabb, ElementId, Scene};
+use crate::{Aabb, ElementId, Progress, Scene};
 
 /// The elements around a point as one soup, as a cluster's source.
 pub struct Soup<'a> {
@@ -46,7 +46,10 @@ impl<'a> Soup<'a> {
 
     /// Within a budget in metres.
     pub fn simplify(&self, budget_m: f32) -> Simplified {
-        Simplified(cover::simplify(&self.triangles, budget_m, &self.presence, &self.palette))
+        let never = Progress::default();
+        let simplified =
+            cover::simplify(&self.triangles, budget_m, &self.presence, &self.palette, &never);
+        Simplified(simplified.expect("nobody cancels"))
     }
 
     /// Lower and upper bound in metres of the distance to what it became, to a factor of 1.3.

@@ -1,6 +1,7 @@
 //! Generation (Fig. 5; H11 to H15, R9): level by level, bottom-up.
 
-use super::cover::simplify;
+use super::certify::{self, Limits};
+use super::cover::{Simplified, simplify};
 use super::grouping::group;
 use super::ladder::Ladder;
 use super::palette::Palette;
@@ -29,6 +30,11 @@ const ALONE_TRIANGLES: usize = 192;
 /// A node on its own is tried again once the threshold is this many times its error.
 const ALONE_STEP: f32 = 2.5;
 
+/// The error of a step is known to this factor, or known to be below that share of what the covers
+/// prove.
+const TIGHT: f32 = 1.15;
+const NEGLIGIBLE: f32 = 0.3;
+
 /// Largest error of the root as a share of its diameter.
 const COARSEST_SHARE: f32 = 0.05;
 
@@ -41,6 +47,8 @@ struct Draft {
     node: Node,
     bounds: Aabb,
     eps: f32,
+    /// See [`Cluster::covered_eps`].
+    covered_eps: f32,
     gamma: f64,
     weight: f64,
     triangles: usize,
@@ -106,6 +114,10 @@ pub fn build(scene: &Scene, settings: &Settings, progress: &Progress) -> Result<
         }
         active.retain(|&i| !passive[i as usize]);
         active.extend_from_slice(&parents);
+        if parents.is_empty() && active.len() == 1 {
+            // The root would not become any coarser here.
+            continue;
+        }
         stats.push(LevelStats {
             level,
             eps_m: ground.ladder.eps_m(level),
@@ -148,6 +160,7 @@ fn leaves(scene: &Scene) -> Vec<Draft> {
             node: Node::Leaf(id),
             bounds: element.bounds,
             eps: 0.0,
+            covered_eps: 0.0,
             gamma: 0.0,
             // R2: the diameter of the object's box; sums over clusters.
             weight: f64::from(element.bounds.diameter()),
@@ -192,7 +205,7 @@ fn merge_level(
             .map(|members| {
                 progress.check()?;
                 let children: Vec<u32> = members.iter().map(|&i| active[i as usize]).collect();
-                let parent = merge(ground, level, drafts, children);
+                let parent = merge(ground, level, drafts, children, progress)?;
                 progress.advance(triangles_of(members) as u64)?;
                 Ok(parent)
             })
@@ -224,7 +237,13 @@ fn loners(limit: f32, drafts: &[Draft], active: &[u32], groups: &[Vec<u32>]) -> 
 }
 
 /// Makes the parent of `children`, if it meets the level's thresholds and is worth drawing.
-fn merge(ground: &Ground, level: u32, drafts: &[Draft], children: Vec<u32>) -> Option<Draft> {
+fn merge(
+    ground: &Ground,
+    level: u32,
+    drafts: &[Draft],
+    children: Vec<u32>,
+    progress: &Progress,
+) -> Result<Option<Draft>, Cancelled> {
     let limit = ground.ladder.eps_m(level);
     let members = || children.iter().map(|&i| &drafts[i as usize]);
 
@@ -238,31 +257,36 @@ fn merge(ground: &Ground, level: u32, drafts: &[Draft], children: Vec<u32>) -> O
         && gamma > ground.ladder.gamma(level)
         && !ground.ladder.is_beyond(level)
     {
-        return None;
+        return Ok(None);
     }
 
     let mut source = Vec::new();
-    let mut source_eps = 0f32;
+    let mut below = Below::default();
     for &child in &children {
-        gather(ground, drafts, child, limit * SOURCE_SHARE, &mut source, &mut source_eps);
+        gather(ground, drafts, child, limit * SOURCE_SHARE, &mut source, &mut below);
     }
-    let simplified = simplify(&source, limit - source_eps, &ground.presence, &ground.palette);
+    let budget = limit - below.covered_eps;
+    let simplified = simplify(&source, budget, &ground.presence, &ground.palette, progress)?;
     let before: usize = members().map(|d| d.triangles).sum();
     let after = simplified.triangles.len();
     let worthwhile = after as f32 <= before as f32 * WORTHWHILE;
     // Beyond L groups are made in any case: the tree must end in one root (R9).
     if !worthwhile && (children.len() == 1 || !ground.ladder.is_beyond(level)) {
-        return None;
+        return Ok(None);
     }
 
     // H5, with the descendants that were measured in place of the children; grows to the root.
-    let eps = members().map(|d| d.eps).fold(source_eps + simplified.distance_m, f32::max);
+    let step = proved_m(&simplified, &source, &ground.presence, progress);
+    let eps = members().map(|d| d.eps).fold(below.eps + step, f32::max);
+    let covered = below.covered_eps + simplified.distance_m;
+    let covered_eps = members().map(|d| d.covered_eps).fold(covered, f32::max);
     let geometry = Geometry::new(simplified.triangles, &ground.presence);
     let drawn = Aabb::of_points(geometry.vertices.iter().map(|v| v.position.into()));
-    Some(Draft {
+    Ok(Some(Draft {
         node: Node::Cluster(u32::MAX),
         bounds: members().fold(drawn, |b, d| b.union(&d.bounds)),
         eps,
+        covered_eps,
         gamma,
         weight: members().map(|d| d.weight).sum(),
         triangles: after,
@@ -278,7 +302,39 @@ fn merge(ground: &Ground, level: u32, drafts: &[Draft], children: Vec<u32>) -> O
             level,
         })),
         presence,
-    })
+    }))
+}
+
+/// The error of the geometry that a cluster is measured against.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Below {
+    pub eps: f32,
+    pub covered_eps: f32,
+}
+
+impl Below {
+    pub fn include(&mut self, eps: f32, covered_eps: f32) {
+        self.eps = self.eps.max(eps);
+        self.covered_eps = self.covered_eps.max(covered_eps);
+    }
+}
+
+/// The distance of what was simplified from its source, by branch and bound (R10): the covers prove
+/// theirs piece by piece, and another triangle may be nearer. Never more than theirs.
+pub(super) fn proved_m(
+    simplified: &Simplified,
+    source: &[Triangle],
+    presence: &PresenceTable,
+    progress: &Progress,
+) -> f32 {
+    let covered = simplified.distance_m;
+    let limits = Limits {
+        accept: covered * NEGLIGIBLE,
+        ratio: TIGHT,
+        give_up_above: covered,
+        progress: Some(progress),
+    };
+    certify::distance(&simplified.triangles, source, presence, limits).upper.min(covered)
 }
 
 /// Collects the geometry of the coarsest descendants whose error is at most `eps`.
@@ -288,17 +344,17 @@ fn gather(
     node: u32,
     eps: f32,
     out: &mut Vec<Triangle>,
-    worst: &mut f32,
+    below: &mut Below,
 ) {
     let draft = &drafts[node as usize];
     match (&draft.cluster, draft.node) {
-        (Some(inner), _) if draft.eps <= eps => {
+        (Some(inner), _) if draft.covered_eps <= eps => {
             inner.geometry.append_triangles(out);
-            *worst = worst.max(draft.eps);
+            below.include(draft.eps, draft.covered_eps);
         }
         (Some(inner), _) => {
             for &child in &inner.children {
-                gather(ground, drafts, child, eps, out, worst);
+                gather(ground, drafts, child, eps, out, below);
             }
         }
         (None, Node::Leaf(id)) => {
@@ -333,6 +389,8 @@ fn finish(
             children: first_child..result.children.len() as u32,
             bounds: draft.bounds,
             eps: draft.eps,
+            built_eps: draft.eps,
+            covered_eps: draft.covered_eps,
             gamma: draft.gamma,
             weight: draft.weight,
             presence: inner.presence,

@@ -27,7 +27,7 @@ use super::parts::{self, Flat, FlatLimits};
 use super::presence::PresenceTable;
 use super::restate::Pair;
 use super::soup::Triangle;
-use crate::{Aabb, Layer};
+use crate::{Aabb, Cancelled, Layer, Progress};
 use glam::{IVec3, Vec3};
 use std::collections::{HashMap, HashSet};
 use std::ops::Range;
@@ -78,25 +78,26 @@ pub(crate) fn simplify(
     budget_m: f32,
     presence: &PresenceTable,
     palette: &Palette,
-) -> Simplified {
+    progress: &Progress,
+) -> Result<Simplified, Cancelled> {
     let bounds = Aabb::of_points(source.iter().flat_map(|t| t.corners));
     let reach = bounds.min.abs().max(bounds.max.abs()).max_element();
     let slack = if source.is_empty() { 0.0 } else { reach * f32::EPSILON * 8.0 };
     let snap_m = (budget_m - 2.0 * slack) * SNAP_SHARE;
     if source.is_empty() || snap_m <= 0.0 {
         let triangles = source.to_vec();
-        return Simplified { triangles, distance_m: slack, pairs: Vec::new() };
+        return Ok(Simplified { triangles, distance_m: slack, pairs: Vec::new() });
     }
 
     let cover_m = budget_m - 2.0 * slack;
-    let mut work = Work::snapped(source, snap_m, cover_m, palette);
+    let mut work = Work::snapped(source, snap_m, cover_m, palette, progress)?;
     work.index(cover_m);
-    work.delete_collapsed(cover_m, presence);
-    work.delete_covered(cover_m, presence, palette);
+    work.delete_collapsed(cover_m, presence, progress)?;
+    work.delete_covered(cover_m, presence, palette, progress)?;
     let distance_m = work.distance_m + 2.0 * slack;
     let mut pairs: Vec<_> = work.pairs.drain().collect();
     pairs.sort_unstable();
-    Simplified { triangles: work.finish(palette), distance_m, pairs }
+    Ok(Simplified { triangles: work.finish(palette), distance_m, pairs })
 }
 
 /// What may be kept: one or two triangles that stand for some sources.
@@ -166,7 +167,13 @@ struct Work {
 impl Work {
     /// Flattens thin parts, moves the corners of the others by at most `snap_m` and sets aside
     /// what lost its area by that.
-    fn snapped(source: &[Triangle], snap_m: f32, cover_m: f32, palette: &Palette) -> Self {
+    fn snapped(
+        source: &[Triangle],
+        snap_m: f32,
+        cover_m: f32,
+        palette: &Palette,
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
         // A point of a cube is at most half the diagonal from its centre.
         let cell = 2.0 * snap_m / 3f32.sqrt();
         let mut work = Self {
@@ -179,6 +186,7 @@ impl Work {
             pairs: HashSet::new(),
         };
         for part in parts::connected(source) {
+            progress.check()?;
             let first = work.sources.len() as u32;
             work.sources.extend(part.iter().map(|&i| source[i as usize]));
             let range = first..work.sources.len() as u32;
@@ -209,7 +217,7 @@ impl Work {
                 None => range.for_each(|place| work.snap(place, cell, cover_m)),
             }
         }
-        work
+        Ok(work)
     }
 
     fn snap(&mut self, place: u32, cell: f32, cover_m: f32) {
@@ -245,11 +253,17 @@ impl Work {
 
     /// Deletes what collapsed to lines and points; where nothing covers it, the original comes
     /// back and may cover the others. Largest first, so that few come back.
-    fn delete_collapsed(&mut self, radius: f32, presence: &PresenceTable) {
+    fn delete_collapsed(
+        &mut self,
+        radius: f32,
+        presence: &PresenceTable,
+        progress: &Progress,
+    ) -> Result<(), Cancelled> {
         let mut collapsed = std::mem::take(&mut self.collapsed);
         let area = |i: u32| self.sources[i as usize].area();
         collapsed.sort_by(|&a, &b| area(b).total_cmp(&area(a)));
         for place in collapsed {
+            progress.check()?;
             let original = self.sources[place as usize];
             let covered = self.cover(place..place + 1, place, radius, &|c| {
                 presence.includes(c.triangle.behaviour, original.behaviour)
@@ -261,11 +275,19 @@ impl Work {
                 self.items.push(item);
             }
         }
+        Ok(())
     }
 
     /// Deletes what is covered, smallest first.
-    fn delete_covered(&mut self, radius: f32, presence: &PresenceTable, palette: &Palette) {
+    fn delete_covered(
+        &mut self,
+        radius: f32,
+        presence: &PresenceTable,
+        palette: &Palette,
+        progress: &Progress,
+    ) -> Result<(), Cancelled> {
         for i in (0..self.items.len()).rev() {
+            progress.check()?;
             let item = &self.items[i];
             let twin = i.checked_sub(1).filter(|&t| self.items[t].unit == item.unit);
             if item.locked || item.dead || twin.is_some_and(|t| self.items[t].locked) {
@@ -299,6 +321,7 @@ impl Work {
                 self.items[twin].dead = covered;
             }
         }
+        Ok(())
     }
 
     /// Whether kept triangles that `may` allows cover all the sources; if so they are locked.
@@ -679,7 +702,9 @@ mod tests {
     fn simplified(source: &[Triangle], budget_m: f32) -> Simplified {
         let behaviours = [Behaviour::always()];
         let presence = PresenceTable::new(&behaviours, true);
-        simplify(source, budget_m, &presence, &Palette::new(&materials()))
+        let palette = Palette::new(&materials());
+        simplify(source, budget_m, &presence, &palette, &Progress::default())
+            .expect("not cancelled")
     }
 
     /// Black windows on a white wall that are less than a pixel each: the wall turns grey by as

@@ -58,7 +58,7 @@ use topout_schedule::{BoundedStep, TimeRange};
 
 /// Counts up whenever [`build`] gives another tree for the same scene and settings: trees that an
 /// earlier version left in the cache are then built anew.
-pub const ALGORITHM: u32 = 3;
+pub const ALGORITHM: u32 = 4;
 
 /// Which promise a tree makes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
@@ -134,7 +134,12 @@ pub struct Cluster {
     /// Upper bound in metres of the Hausdorff distance between what it draws and what it stands
     /// for; never below a child's (H5, R10). In mode tight it holds at every date (R11).
     pub eps: f32,
-    /// Temporal error in [0, 1] (H6).
+    /// Its eps at the dates of [`Hdlod::built`].
+    pub(crate) built_eps: f32,
+    /// The error that its [`Cluster::pairs`] alone prove, at the dates of any edit that they survive;
+    /// at least `built_eps`.
+    pub(crate) covered_eps: f32,
+    /// Temporal error (H6): a chain, so it may exceed 1.
     pub gamma: f64,
     /// w_c in metres: the sum of the diameters of the elements below (R2).
     pub weight: f64,

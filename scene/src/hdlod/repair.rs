@@ -1,6 +1,7 @@
 //! Merging anew what lost its certificate by edits of the schedule: same clusters, same children,
 //! same thresholds, other geometry.
 
+use super::build::Below;
 use super::cover::simplify;
 use super::palette::Palette;
 use super::presence::PresenceTable;
@@ -44,7 +45,7 @@ impl Hdlod {
             let done: Result<Vec<_>, Cancelled> = level
                 .par_iter()
                 .map(|&i| {
-                    let new = work.merge(&self.clusters[i as usize], &merged);
+                    let new = work.merge(&self.clusters[i as usize], &merged, progress)?;
                     progress.advance(1)?;
                     Ok((i, new))
                 })
@@ -84,6 +85,8 @@ impl Hdlod {
                 cluster.layers = new.geometry.layers;
                 cluster.pairs = new.pairs.into();
                 cluster.eps = new.eps;
+                cluster.built_eps = new.eps;
+                cluster.covered_eps = new.covered_eps;
                 cluster.bounds = new.bounds;
             } else {
                 let end = self.clusters.get(i + 1).map(|c| c.base_vertex as usize);
@@ -94,6 +97,7 @@ impl Hdlod {
                     run.built = run.behaviour;
                 });
                 cluster.pairs = images.pairs(i, &old.pairs).into();
+                cluster.built_eps = old.eps;
             }
             tree.clusters.push(cluster);
         }
@@ -110,6 +114,7 @@ impl Hdlod {
 struct Merged {
     geometry: Geometry,
     eps: f32,
+    covered_eps: f32,
     bounds: Aabb,
     pairs: Vec<Pair>,
 }
@@ -123,39 +128,48 @@ struct Work<'a> {
 
 impl Work<'_> {
     /// As the build merges, but with the children that the cluster has.
-    fn merge(&self, cluster: &Cluster, merged: &HashMap<u32, Merged>) -> Merged {
+    fn merge(
+        &self,
+        cluster: &Cluster,
+        merged: &HashMap<u32, Merged>,
+        progress: &Progress,
+    ) -> Result<Merged, Cancelled> {
         let levels = &self.hdlod.levels;
         let level = levels.iter().find(|l| l.level == cluster.level);
         let limit = level.map_or(cluster.eps, |l| l.eps_m);
         let mut source = Vec::new();
-        let mut source_eps = 0f32;
-        let mut eps = 0f32;
+        let mut below = Below::default();
+        let mut worst = Below::default();
         let mut bounds = Aabb::EMPTY;
         for &child in self.hdlod.children_of(cluster) {
-            let (child_eps, child_bounds) = self.error_and_box(child, merged);
-            eps = eps.max(child_eps);
+            let (error, child_bounds) = self.error_and_box(child, merged);
+            worst.include(error.eps, error.covered_eps);
             bounds = bounds.union(&child_bounds);
-            self.gather(child, limit * build::SOURCE_SHARE, merged, &mut source, &mut source_eps);
+            self.gather(child, limit * build::SOURCE_SHARE, merged, &mut source, &mut below);
         }
-        let simplified = simplify(&source, limit - source_eps, &self.presence, &self.palette);
+        let budget = limit - below.covered_eps;
+        let simplified = simplify(&source, budget, &self.presence, &self.palette, progress)?;
+        let step = build::proved_m(&simplified, &source, &self.presence, progress);
+        worst.include(below.eps + step, below.covered_eps + simplified.distance_m);
         let geometry = Geometry::new(simplified.triangles, &self.presence);
         let drawn = Aabb::of_points(geometry.vertices.iter().map(|v| v.position.into()));
-        Merged {
+        Ok(Merged {
             geometry,
-            eps: eps.max(source_eps + simplified.distance_m),
+            eps: worst.eps,
+            covered_eps: worst.covered_eps,
             bounds: bounds.union(&drawn),
             pairs: simplified.pairs,
-        }
+        })
     }
 
-    fn error_and_box(&self, node: Node, merged: &HashMap<u32, Merged>) -> (f32, Aabb) {
+    fn error_and_box(&self, node: Node, merged: &HashMap<u32, Merged>) -> (Below, Aabb) {
         match node {
-            Node::Leaf(id) => (0.0, self.scene.model.elements[id.index()].bounds),
+            Node::Leaf(id) => (Below::default(), self.scene.model.elements[id.index()].bounds),
             Node::Cluster(c) => match merged.get(&c) {
-                Some(new) => (new.eps, new.bounds),
+                Some(new) => (Below { eps: new.eps, covered_eps: new.covered_eps }, new.bounds),
                 None => {
                     let old = &self.hdlod.clusters[c as usize];
-                    (old.eps, old.bounds)
+                    (Below { eps: old.eps, covered_eps: old.covered_eps }, old.bounds)
                 }
             },
         }
@@ -169,7 +183,7 @@ impl Work<'_> {
         eps: f32,
         merged: &HashMap<u32, Merged>,
         out: &mut Vec<Triangle>,
-        worst: &mut f32,
+        below: &mut Below,
     ) {
         match node {
             Node::Leaf(id) => {
@@ -180,15 +194,15 @@ impl Work<'_> {
                 }
             }
             Node::Cluster(c) => {
-                let (own_eps, _) = self.error_and_box(node, merged);
+                let (own, _) = self.error_and_box(node, merged);
                 let old = &self.hdlod.clusters[c as usize];
-                if own_eps > eps {
+                if own.covered_eps > eps {
                     for &child in self.hdlod.children_of(old) {
-                        self.gather(child, eps, merged, out, worst);
+                        self.gather(child, eps, merged, out, below);
                     }
                     return;
                 }
-                *worst = worst.max(own_eps);
+                below.include(own.eps, own.covered_eps);
                 match merged.get(&c) {
                     Some(new) => new.geometry.append_triangles(out),
                     None => {

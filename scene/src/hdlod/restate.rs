@@ -42,6 +42,10 @@
 //! holds, or with a pair (k, s): by (c) the image of k includes s', so that run is drawn at t. In
 //! all cases the way is at most e + eps_d <= eps_c. QED
 //!
+//! The eps_c that this speaks of is [`Cluster::covered_eps`], the one that the pairs prove. At the
+//! dates of the build branch and bound proves a smaller one ([`Cluster::eps`]) from the triangles
+//! themselves; below whom a behaviour changed falls back, for the others it stays.
+//!
 //! (a) asks for all clusters below c where those that c was made of would do: simple, and a tree
 //! whose errors grow to the root needs the rest for nothing.
 //!
@@ -116,8 +120,10 @@ impl Hdlod {
                 (true, false) => done.revalidated.push(i as u32),
                 _ => {}
             }
+            let touched = self.temporal == Temporal::Tight && images.touched[i];
             let cluster = &mut self.clusters[i];
             cluster.stale = stale;
+            cluster.eps = if touched { cluster.covered_eps } else { cluster.built_eps };
             let behaviour_of = |built| if stale { built } else { images.only(i, built) };
             let first = cluster.first_index as usize;
             let indices = &mut self.indices[first..];
@@ -255,6 +261,8 @@ pub(super) struct Images {
     left: HashSet<BehaviourId>,
     /// Keyed by cluster and built behaviour, for those in `left`: the behaviours now, each once.
     now: HashMap<(u32, BehaviourId), Vec<BehaviourId>>,
+    /// For each cluster whether the behaviour of an element below it is not the built one.
+    touched: Vec<bool>,
 }
 
 impl Images {
@@ -273,7 +281,9 @@ impl Images {
                 }
             }
         }
-        Self { left, now: images }
+        let moved = (0..).map(ElementId).zip(pairs()).filter(|(_, (built, now))| built != now);
+        let touched = parents.above(moved.map(|(element, _)| element));
+        Self { left, now: images, touched }
     }
 
     fn of(&self, cluster: usize, built: BehaviourId) -> Option<&[BehaviourId]> {

@@ -36,7 +36,11 @@ impl Hdlod {
     fn check_cluster(&self, cluster: &Cluster, scene: &Scene) -> Result<(), &'static str> {
         let fine = |b: &Aabb| b.min.is_finite() && b.max.is_finite() && !b.is_empty();
         require(fine(&cluster.bounds), "a cluster's box")?;
-        require(cluster.eps.is_finite() && cluster.eps >= 0.0, "a cluster's error")?;
+        let errors = cluster.eps >= 0.0
+            && cluster.eps == cluster.built_eps
+            && cluster.eps <= cluster.covered_eps
+            && cluster.covered_eps.is_finite();
+        require(errors, "a cluster's error")?;
         require(cluster.gamma.is_finite() && cluster.gamma >= 0.0, "a cluster's gamma")?;
         require(cluster.weight.is_finite() && cluster.weight >= 0.0, "a cluster's weight")?;
         require(cluster.presence.is_valid(), "a cluster's behaviour")?;
