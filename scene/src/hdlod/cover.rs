@@ -7,9 +7,10 @@
 //! 1. **Snap.** Corners of small triangles move to the centres of a grid. On a triangle the
 //!    movement is linear, so the snapped triangle is within the largest corner movement `s` of its
 //!    source, both ways.
-//! 2. **Flatten.** A small connected part (one behaviour, one material) that is thin becomes the
-//!    rectangle through its middle, where every point of the part is within `e` of the rectangle
-//!    and every point of the rectangle within `e` of the part.
+//! 2. **Flatten.** A connected part (one behaviour, one material) that is thin moves to its middle: it
+//!    becomes a rectangle there, where every point of the part is within `e` of the rectangle and every
+//!    point of the rectangle within `e` of the part, or, where it has openings that can be told apart,
+//!    the sheet of its own triangles of one side; the other side and the rims must then be covered.
 //! 3. **Cover.** What stands for some sources may be deleted when each source is cut into pieces
 //!    (a few midpoint subdivisions) that have all their corners within `e` of one kept triangle.
 //!    The distance to a convex set is a convex function, so the piece's every point is within `e`
@@ -20,7 +21,8 @@
 //! D_H <= max(s, e) at every date; the largest figure that occurred is returned.
 //!
 //! The certificate is one of shape. That the picture keeps its colours is a matter of which covers
-//! are allowed: see [`DISTINCT_HEIGHT`] and [`Palette::alike`].
+//! are allowed, see [`DISTINCT_HEIGHT`] and [`Palette::alike`], and of the colours that go over to them,
+//! see [`SLIM_HEIGHT`].
 
 use super::palette::Palette;
 use super::parts::{self, Flat, FlatLimits};
@@ -37,8 +39,8 @@ use std::ops::Range;
 /// this does not add to the covers' radius.
 const SNAP_SHARE: f32 = 0.5;
 
-/// Triangles higher than this share of the budget can be told apart on the picture. They are not
-/// moved, their part is not flattened, and only what faces the same way may cover them: a window
+/// Triangles higher than this share of the budget can be told apart on the picture. Unless their part
+/// is flat they are not moved, and only what is flat or faces the same way may cover them: a window
 /// that stands a little before its wall would else move into it, or keep only the side inside.
 const DISTINCT_HEIGHT: f32 = 1.5;
 

@@ -6,6 +6,7 @@
 //! | thresholds per level | `ladder` | H12, R4, R5, R9 |
 //! | who is merged | `hilbert`, `grouping` | H11, H14, H15 |
 //! | merged geometry and its certificate | `soup`, `parts`, `cover` | H5, H13, R10 |
+//! | colours of what is merged | `palette` | H13 |
 //! | how far soups are apart, proved | `certify`, `bvh` | R10, R11 |
 //! | what may stand for what in time | `presence` | R11 |
 //! | the loop over levels | `build` | H4, H6, H7, H11, R2, R9 |
