@@ -162,15 +162,28 @@ fn read_schedule(
     if request.schedules.is_empty() {
         return Ok(own.unwrap_or_default());
     }
+    load_schedule(request, progress).or_else(|error| {
+        if is_cancelled(&error) {
+            return Err(error);
+        }
+        on_unusable(error)?;
+        Ok(Schedule::default())
+    })
+}
+
+/// Reads the schedules of a request and nothing else.
+///
+/// # Errors
+/// A file that cannot be used, by name, or [`Cancelled`].
+pub fn load_schedule(request: &Request, progress: &Progress) -> anyhow::Result<Schedule> {
     progress.begin("reading the schedule", 0)?;
     let options = ReadOptions {
         date_format: request.date_format.clone(),
         encoding: request.encoding.clone(),
     };
-    topout_schedule::read_files(&request.schedules, &options).or_else(|error| {
-        on_unusable(error.into())?;
-        Ok(Schedule::default())
-    })
+    let schedule = topout_schedule::read_files(&request.schedules, &options)?;
+    progress.check()?;
+    Ok(schedule)
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@ use std::ffi::OsStr;
 use std::sync::Arc;
 use std::time::{Instant, SystemTime};
 use topout_scene::cache::{Cache, Found, Info, Key};
-use topout_scene::hdlod::{self, Settings, Temporal};
+use topout_scene::hdlod::{self, OtherScene, Settings, Temporal};
 use topout_scene::{Cancelled, Hdlod, Progress, Scene};
 use topout_schedule::Time;
 
@@ -66,6 +66,46 @@ impl Baked {
         cache: Option<Cache>,
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
+        let build = |progress: &Progress| hdlod::build(scene, settings, progress);
+        Self::found_or_made(scene, settings, request, cache, progress, build)
+    }
+
+    /// The tree of a scene that an edit of the schedule left, from `cache` or by repair of `tree`,
+    /// which was brought along ([`Hdlod::restate`]); with the scene as if it had been loaded with these
+    /// dates, so that the next run finds the tree that is kept.
+    ///
+    /// # Errors
+    /// Only when `progress` is cancelled.
+    pub fn refined(
+        scene: &Scene,
+        tree: &Hdlod,
+        settings: &Settings,
+        request: &Request,
+        cache: Option<Cache>,
+        progress: &Progress,
+    ) -> Result<(Scene, Self), Cancelled> {
+        let (fresh, ids) = scene.renumbered();
+        let repair = |progress: &Progress| match tree.repair(scene, progress)?.renumbered(&ids) {
+            Ok(tree) => Ok(tree),
+            // The tree is that of another scene.
+            Err(OtherScene) => hdlod::build(&fresh, settings, progress),
+        };
+        let mut result = Self::found_or_made(&fresh, settings, request, cache, progress, repair)?;
+        if !result.tree.loose.is_empty() {
+            // Whole only when it is built: the next run shall do that.
+            result.unkept = None;
+        }
+        Ok((fresh, result))
+    }
+
+    fn found_or_made(
+        scene: &Scene,
+        settings: &Settings,
+        request: &Request,
+        cache: Option<Cache>,
+        progress: &Progress,
+        make: impl FnOnce(&Progress) -> Result<Hdlod, Cancelled>,
+    ) -> Result<Self, Cancelled> {
         let started = Instant::now();
         let mut result = Self {
             tree: Arc::default(),
@@ -94,7 +134,7 @@ impl Baked {
             }
         }
         if !result.from_cache {
-            result.tree = Arc::new(hdlod::build(scene, settings, progress)?);
+            result.tree = Arc::new(make(progress)?);
             if let Some((_, _, info)) = &mut result.unkept {
                 info.clusters = result.tree.clusters.len() as u64;
                 info.made = now();

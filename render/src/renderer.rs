@@ -211,6 +211,20 @@ impl Renderer {
         Ok(())
     }
 
+    /// Takes other dates for the scene that is set, without a tree. Where it has another model,
+    /// everything is uploaded.
+    ///
+    /// # Errors
+    /// As [`Renderer::set_scene`].
+    pub fn set_dates(&mut self, scene: &Arc<Scene>) -> Result<(), GpuError> {
+        if !self.scene.as_ref().is_some_and(|old| Arc::ptr_eq(&old.model, &scene.model)) {
+            return self.set_scene(scene);
+        }
+        self.clear_hdlod();
+        self.scene = Some(Arc::clone(scene));
+        Ok(())
+    }
+
     /// Lets go of the clusters.
     pub fn clear_hdlod(&mut self) {
         self.hdlod = None;

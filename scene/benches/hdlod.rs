@@ -122,7 +122,7 @@ fn edit(c: &mut Criterion) {
         TimeRange { start: dates.start.plus_seconds(WEEK), end: dates.end.plus_seconds(WEEK) };
 
     let mut tree = tree().clone();
-    let Edited { scene: moved, changed } =
+    let Edited { scene: moved, changed, .. } =
         scene.with_activity_dates(&[(activity, later)]).expect("it exists");
     let done = tree.restate(&moved, &changed).expect("it is the same scene");
     println!(

@@ -16,6 +16,19 @@ pub struct Edited {
     pub scene: Scene,
     /// The elements whose behaviour is another one now, in order.
     pub changed: Vec<ElementId>,
+    /// Activities that have other dates now.
+    pub moved: usize,
+}
+
+/// Other ids for behaviours: what [`Scene::renumbered`] made of the old ones.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Renumbering(Vec<Option<BehaviourId>>);
+
+impl Renumbering {
+    /// The id now; `None` where no element has the behaviour any more.
+    pub fn now(&self, old: BehaviourId) -> Option<BehaviourId> {
+        self.0.get(old.index()).copied().flatten()
+    }
 }
 
 /// Why activities cannot be moved.
@@ -74,7 +87,8 @@ impl Scene {
     pub fn with_activity_dates(&self, moves: &[(usize, TimeRange)]) -> Result<Edited, EditError> {
         let mut scene = self.clone();
         let changed = scene.move_activities(moves)?;
-        Ok(Edited { scene, changed })
+        let moved = moved_between(&self.schedule.activities, &scene.schedule.activities);
+        Ok(Edited { scene, changed, moved: moved.into_iter().filter(|m| *m).count() })
     }
 
     /// The same scene with a schedule whose activities are the same and in the same order and
@@ -87,8 +101,7 @@ impl Scene {
         if ours.len() != theirs.len() || !ours.iter().zip(theirs).all(|(a, b)| alike(a, b)) {
             return None;
         }
-        let dates = |a: &Activity| (a.start, a.end);
-        let moved: Vec<bool> = ours.iter().zip(theirs).map(|(a, b)| dates(a) != dates(b)).collect();
+        let moved = moved_between(ours, theirs);
         let mut scene = Scene {
             model: Arc::clone(&self.model),
             schedule,
@@ -101,7 +114,24 @@ impl Scene {
         };
         scene.collect_diagnostics();
         let changed = scene.follow_activities(&moved);
-        Some(Edited { scene, changed })
+        Some(Edited { scene, changed, moved: moved.into_iter().filter(|m| *m).count() })
+    }
+
+    /// The same scene with its behaviours numbered as linking numbers them: in the order of the
+    /// elements, without those that edits left behind. So a scene that was edited and one that was
+    /// loaded with the same dates have the same [`crate::cache::Key`].
+    pub fn renumbered(&self) -> (Scene, Renumbering) {
+        let mut now: Vec<Option<BehaviourId>> = vec![None; self.behaviours.len()];
+        let mut scene = self.clone();
+        scene.behaviours.clear();
+        for id in &mut scene.element_behaviour {
+            let old = id.index();
+            *id = *now[old].get_or_insert_with(|| {
+                scene.behaviours.push(self.behaviours[old].clone());
+                BehaviourId(scene.behaviours.len() as u32 - 1)
+            });
+        }
+        (scene, Renumbering(now))
     }
 
     /// Works out anew the behaviours of the elements that moved activities touch.
@@ -128,6 +158,12 @@ impl Scene {
         }
         changes.into_iter().map(|c| c.0).collect()
     }
+}
+
+/// For each activity whether its dates differ.
+fn moved_between(before: &[Activity], after: &[Activity]) -> Vec<bool> {
+    let dates = |a: &Activity| (a.start, a.end);
+    before.iter().zip(after).map(|(a, b)| dates(a) != dates(b)).collect()
 }
 
 /// Behaviours by value; the new ones get ids after the old ones.
@@ -211,6 +247,15 @@ mod tests {
                 prop_assert_eq!(edited.scene.behaviour(e), linked.behaviour(e));
                 let changed = scene.behaviour(e) != linked.behaviour(e);
                 prop_assert_eq!(edited.changed.contains(&e), changed);
+            }
+            let differ = activities.iter().zip(&edited_rows).filter(|(a, b)| (a.0, a.1) != (b.0, b.1));
+            prop_assert_eq!(edited.moved, differ.count());
+            let (renumbered, ids) = edited.scene.renumbered();
+            prop_assert_eq!(&renumbered.behaviours, &linked.behaviours);
+            prop_assert_eq!(&renumbered.element_behaviour, &linked.element_behaviour);
+            for e in (0..10).map(ElementId) {
+                let old = edited.scene.element_behaviour[e.index()];
+                prop_assert_eq!(ids.now(old), Some(linked.element_behaviour[e.index()]));
             }
             let old = scene.behaviours.len();
             prop_assert_eq!(&edited.scene.behaviours[..old], &scene.behaviours[..]);

@@ -18,7 +18,7 @@ mod progress;
 mod scene;
 mod view;
 
-pub use edit::{EditError, Edited};
+pub use edit::{EditError, Edited, Renumbering};
 pub use geometry::{Aabb, Layer, Mesh, Vertex, decode_normal, encode_normal};
 pub use hdlod::{Hdlod, Selection};
 pub use progress::{Cancelled, Progress};

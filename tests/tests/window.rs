@@ -275,6 +275,72 @@ fn a_tree_that_was_kept_is_taken_from_the_cache() {
     assert_eq!(cache.list().unwrap().len(), 1);
 }
 
+/// Other dates reach the GPU in parts, and the picture is the one that sending everything gives.
+#[test]
+fn moved_activities_are_drawn_as_if_everything_were_sent_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let plan = folder.path().join("plan.json");
+    let write = |schedule: &topout_schedule::Schedule| {
+        let mut bytes = Vec::new();
+        schedule.write_json(&mut bytes).unwrap();
+        std::fs::write(&plan, bytes).unwrap();
+    };
+    let mut schedule = scene().schedule.clone();
+    write(&schedule);
+    let models = vec![topout::project::Source::File("tower.glb".into())];
+    let request = Request { models, schedules: vec![plan.clone()], ..Request::default() };
+    let mut harness = empty();
+    harness.state_mut().state_mut().show_scene(request, scene());
+    settle(&mut harness);
+    let date = Time::parse_iso("2027-01-01").unwrap();
+    apply(&mut harness, Command::JumpTo(date));
+    apply(&mut harness, Command::Toggle(Panel::Figures));
+    let before = picture(&mut harness);
+
+    for activity in schedule.activities.iter_mut().step_by(3) {
+        let later = |t: Option<Time>| t.map(|t| t.plus_seconds(60 * 86_400));
+        (activity.start, activity.end) = (later(activity.start), later(activity.end));
+    }
+    write(&schedule);
+    apply_now(&mut harness, Command::ReloadSchedule);
+    while state(&harness).loading.is_some() {
+        harness.step();
+    }
+    apply(&mut harness, Command::CancelHdlod);
+    harness.get_by_label("Refine");
+    apply(&mut harness, Command::DismissNews);
+    let moved = picture(&mut harness);
+    let stats = *state(&harness).frames.last().unwrap();
+    assert!(stats.clusters > 0 && moved != before);
+    // Which sends everything.
+    apply(&mut harness, Command::ToggleLevelColors);
+    apply(&mut harness, Command::ToggleLevelColors);
+    assert!(moved == picture(&mut harness), "what was sent in parts differs");
+
+    apply(&mut harness, Command::BuildHdlod);
+    apply(&mut harness, Command::SetMode(DrawMode::Batched));
+    let refined = picture(&mut harness);
+    let (model, _) = generate(
+        &DemoSettings { elements: 1_000, triangles: 46_000, activities: 850, seed: 4 },
+        &Progress::default(),
+    )
+    .unwrap();
+    let camera = state(&harness).camera;
+    let mut fresh = empty();
+    let linked = Arc::new(link::link(model, schedule));
+    fresh.state_mut().state_mut().show_scene(Request::demo(), linked);
+    settle(&mut fresh);
+    for command in [
+        Command::JumpTo(date),
+        Command::Toggle(Panel::Figures),
+        Command::SetMode(DrawMode::Batched),
+        Command::MoveCamera(camera),
+    ] {
+        apply(&mut fresh, command);
+    }
+    assert!(refined == picture(&mut fresh), "not what these dates show");
+}
+
 /// The levels' colours are another picture of the same cut; without them all is as before.
 #[test]
 fn coloring_by_level_changes_the_picture_alone_and_can_be_taken_back() {

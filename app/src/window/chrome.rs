@@ -10,7 +10,10 @@ use topout_schedule::Severity;
 
 /// Titles of the menus and the names of the actions in them; an empty name draws a line.
 const MENUS: [(&str, &[&str]); 5] = [
-    ("File", &["Open model…", "Open schedule…", "Open demo project", "", "Quit"]),
+    (
+        "File",
+        &["Open model…", "Open schedule…", "Reload schedule", "Open demo project", "", "Quit"],
+    ),
     (
         "View",
         &[
@@ -83,7 +86,10 @@ fn entry(ui: &mut Ui, state: &AppState, action: &Action, commands: &mut Vec<Comm
     let button = egui::Button::new(action.name)
         .shortcut_text(RichText::new(keys).size(SMALL))
         .selected(is_on(state, &action.command));
-    let enabled = state.project.is_some() || !needs_project(&action.command);
+    let enabled = match (&state.project, &action.command) {
+        (Some(project), Command::ReloadSchedule) => !project.request.schedules.is_empty(),
+        (project, command) => project.is_some() || !needs_project(command),
+    };
     if ui.add_enabled(enabled, button).clicked() {
         commands.push(action.command.clone());
     }

@@ -39,8 +39,12 @@ pub enum Command {
     Load(Request),
     /// Files dropped on the window or chosen in a dialog, of any kind.
     OpenFiles(Vec<PathBuf>),
+    /// Read the schedule of the shown project again.
+    ReloadSchedule,
     /// Stop loading.
     CancelLoading,
+    /// Close the message about what happened to the schedule.
+    DismissNews,
     /// Tell the user what went wrong.
     Report(String),
     /// Close the message about what went wrong.
@@ -71,9 +75,9 @@ pub enum Command {
     SetTolerance(f32),
     /// Colour clusters by their level, or not.
     ToggleLevelColors,
-    /// Build the tree again after its building was cancelled.
+    /// Build or refine the tree again after that was cancelled.
     BuildHdlod,
-    /// Stop building the tree; the scene stays drawn in full detail.
+    /// Stop building or refining the tree; what it lacks stays drawn in full detail.
     CancelHdlod,
 
     /// Show everything.
@@ -174,6 +178,7 @@ pub fn actions() -> Vec<Action> {
     vec![
         action(C::OpenModel, "Open model…", Some(S::command(Key::O))),
         action(C::OpenSchedule, "Open schedule…", Some(S::command_shift(Key::O))),
+        action(C::ReloadSchedule, "Reload schedule", Some(S::command(Key::R))),
         action(C::OpenDemo, "Open demo project", Some(S::command(Key::D))),
         action(C::Quit, "Quit", Some(S::command(Key::Q))),
         action(C::Fit, "Fit all", Some(S::key(Key::F))),

@@ -1,12 +1,13 @@
 //! Work on named threads: loading a project, building the tree, measuring, asking for files.
 
 use super::calendar::Calendar;
+use super::reload::Edit;
 use crate::project::{self, Request};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{self, TryRecvError};
 use std::thread::JoinHandle;
-use std::time::{Duration, Instant};
+use std::time::{Duration, Instant, SystemTime};
 use topout_scene::pick::Picker;
 use topout_scene::{Aabb, Progress, Scene};
 
@@ -109,7 +110,7 @@ pub struct Project {
     /// S(t).
     pub scene: Arc<Scene>,
     /// Rays to elements.
-    pub picker: Picker,
+    pub picker: Arc<Picker>,
     /// Counts over time.
     pub calendar: Calendar,
     /// What the standard views fit.
@@ -118,6 +119,57 @@ pub struct Project {
     pub triangles: usize,
     /// Elements that some activity touches.
     pub linked: usize,
+    /// What the files of the schedule looked like before they were read.
+    pub stamps: Vec<Stamp>,
+}
+
+/// What loading came to.
+pub enum Loaded {
+    /// A project of its own.
+    Project(Box<Project>),
+    /// The shown project with other dates.
+    Edit(Box<Edit>),
+    /// The shown models with a schedule that differs in more than dates.
+    Other(Box<Project>),
+}
+
+/// Last change and length of a file; `None` where it cannot be looked at.
+pub type Stamp = Option<(SystemTime, u64)>;
+
+/// What files look like now.
+pub fn stamps(files: &[PathBuf]) -> Vec<Stamp> {
+    let stamp = |file: &PathBuf| {
+        let data = std::fs::metadata(file).ok()?;
+        Some((data.modified().ok()?, data.len()))
+    };
+    files.iter().map(stamp).collect()
+}
+
+/// How often files are looked at, and how long they must have been left alone.
+const LOOK_EVERY: Duration = Duration::from_millis(500);
+
+/// Waits until files look other than `known` and are no longer written to; says how they look then.
+///
+/// # Errors
+/// When the system has no thread to give.
+pub fn watch(
+    files: Vec<PathBuf>,
+    known: Vec<Stamp>,
+    wake: Wake,
+) -> std::io::Result<Job<Vec<Stamp>>> {
+    Job::spawn("topout-watch", wake, move |progress| {
+        let mut before = known.clone();
+        loop {
+            std::thread::sleep(LOOK_EVERY);
+            let now = stamps(&files);
+            // A file that is gone for a moment is being replaced.
+            let whole = now == before && now.iter().all(Option::is_some);
+            if progress.check().is_err() || (whole && now != known) {
+                return now;
+            }
+            before = now;
+        }
+    })
 }
 
 impl Project {
@@ -127,11 +179,26 @@ impl Project {
             .filter(|&i| !scene.activities_of(topout_scene::ElementId(i as u32)).is_empty())
             .count();
         Self {
-            picker: Picker::new(&scene),
+            picker: Arc::new(Picker::new(&scene)),
             calendar: Calendar::new(&scene.schedule),
             focus: scene.focus_bounds(),
             triangles: scene.model.triangle_count(),
             linked,
+            stamps: stamps(&request.schedules),
+            request,
+            scene,
+        }
+    }
+
+    /// The same with another scene of the same model, whose activities touch the same elements.
+    pub fn with_dates(&self, request: Request, scene: Arc<Scene>, stamps: Vec<Stamp>) -> Self {
+        Self {
+            picker: Arc::clone(&self.picker),
+            calendar: Calendar::new(&scene.schedule),
+            focus: self.focus,
+            triangles: self.triangles,
+            linked: self.linked,
+            stamps,
             request,
             scene,
         }
@@ -151,9 +218,10 @@ impl Project {
     /// # Errors
     /// As [`project::load`].
     pub fn load(request: Request, progress: &Progress) -> anyhow::Result<Self> {
+        let stamps = stamps(&request.schedules);
         let scene = project::load(&request, progress)?;
         progress.begin("Preparing the window", 0)?;
-        Ok(Self::new(request, Arc::new(scene)))
+        Ok(Self { stamps, ..Self::new(request, Arc::new(scene)) })
     }
 }
 

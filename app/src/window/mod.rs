@@ -10,6 +10,7 @@ mod command;
 mod inspector;
 mod loading;
 mod overlay;
+mod reload;
 mod state;
 mod table;
 mod theme;

@@ -7,7 +7,7 @@ use super::theme::{SMALL, palette};
 use egui::{Align2, Frame, Margin, Rect, RichText, Ui};
 use std::collections::VecDeque;
 use topout_render::{DrawMode, FrameStats};
-use topout_scene::NamedView;
+use topout_scene::{Hdlod, NamedView};
 
 /// Frames that the median and the percentile look back on.
 const REMEMBERED: usize = 120;
@@ -233,7 +233,38 @@ fn notices(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
                 });
             });
         }
-        Tree::None | Tree::Ready(_) => {}
+        Tree::Ready(tree) => refining(ui, state, tree, commands),
+        Tree::None => {}
+    }
+    if let Some(news) = &state.news {
+        card(ui).show(ui, |ui| {
+            ui.set_max_width(420.0);
+            ui.horizontal(|ui| {
+                let close = ui.small_button("×").accessible_name("Close message");
+                if close.on_hover_text("Close this message").clicked() {
+                    commands.push(Command::DismissNews);
+                }
+                ui.add(egui::Label::new(RichText::new(news).size(SMALL)).wrap());
+            });
+        });
+    }
+}
+
+/// An edit of the schedule left clusters that are not drawn until they are merged anew.
+fn refining(ui: &mut Ui, state: &AppState, tree: &Hdlod, commands: &mut Vec<Command>) {
+    if let Some(job) = &state.refining {
+        return working(ui, "Refining HDLOD", job, Command::CancelHdlod, commands);
+    }
+    let stale = tree.stale_count();
+    if stale > 0 {
+        card(ui).show(ui, |ui| {
+            ui.horizontal(|ui| {
+                ui.label(format!("{stale} clusters are drawn in more detail than they need."));
+                if ui.button("Refine").clicked() {
+                    commands.push(Command::BuildHdlod);
+                }
+            });
+        });
     }
 }
 

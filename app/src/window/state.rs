@@ -3,8 +3,9 @@
 use super::calendar::{Calendar, DAY};
 use super::camera::Camera;
 use super::command::{Command, Panel};
-use super::loading::{Answer, Ask, Job, NO_DIALOG, Outcome, Project, Wake, ask};
+use super::loading::{Answer, Ask, Job, Loaded, NO_DIALOG, Outcome, Project, Stamp, Wake, ask};
 use super::overlay::FrameLog;
+use super::reload::{Refining, TreeChange};
 use super::table::Table;
 use super::theme::Scheme;
 use crate::project::{self, Request, Source};
@@ -25,6 +26,10 @@ pub const SPEEDS: [u32; 7] = [1, 2, 7, 14, 30, 60, 120];
 /// Tolerances that can be set, physical pixels.
 pub const TOLERANCE: std::ops::RangeInclusive<f32> = 0.25..=32.0;
 
+/// Said when a schedule cannot be taken over as an edit.
+pub(super) const MORE_THAN_DATES: &str =
+    "The schedule differs in more than dates: the project was loaded anew.";
+
 /// The level-of-detail tree of the shown scene.
 pub enum Tree {
     /// There is no scene.
@@ -39,6 +44,12 @@ pub enum Tree {
 
 /// A tree on its way into the cache; waited for when the window closes.
 struct Keeping(Option<JoinHandle<()>>);
+
+impl Keeping {
+    fn is_going_on(&self) -> bool {
+        self.0.as_ref().is_some_and(|thread| !thread.is_finished())
+    }
+}
 
 impl Drop for Keeping {
     fn drop(&mut self) {
@@ -93,7 +104,7 @@ pub enum Effect {
 /// Everything that the window shows. [`AppState::apply`] carries out what the user asks for;
 /// besides it only time ([`AppState::advance`]) and finished work ([`AppState::poll`]) change it.
 pub struct AppState {
-    wake: Wake,
+    pub(super) wake: Wake,
     /// The shown project.
     pub project: Option<Arc<Project>>,
     /// Its tree.
@@ -102,14 +113,22 @@ pub struct AppState {
     pub cache: Option<Cache>,
     /// Where the tree came from; none while there is none.
     pub tree_origin: Option<&'static str>,
-    keeping: Option<Keeping>,
+    /// How it came from the one before, after an edit of the schedule.
+    pub tree_change: Option<TreeChange>,
+    /// The tree of an edited schedule is being made whole.
+    pub refining: Option<Refining>,
+    keeping: Vec<Keeping>,
     /// What is being loaded, and its name.
-    pub loading: Option<(String, Job<anyhow::Result<Project>>)>,
+    pub loading: Option<(String, Job<anyhow::Result<Loaded>>)>,
+    /// Ends when the schedule's files have changed.
+    pub(super) watching: Option<Job<Vec<Stamp>>>,
     dialog: Option<(Ask, Job<Answer>)>,
     /// Schedules that were opened before any model.
     pub waiting_schedules: Vec<PathBuf>,
     /// What went wrong last: file, place and value.
     pub error: Option<String>,
+    /// What happened last to the schedule.
+    pub news: Option<String>,
 
     /// Seconds since 1970-01-01T00:00:00, with the fraction that playing needs.
     clock: f64,
@@ -155,11 +174,15 @@ impl AppState {
             tree: Tree::None,
             cache: None,
             tree_origin: None,
-            keeping: None,
+            tree_change: None,
+            refining: None,
+            keeping: Vec::new(),
             loading: None,
+            watching: None,
             dialog: None,
             waiting_schedules: Vec::new(),
             error: None,
+            news: None,
             clock: 0.0,
             playing: false,
             speed: 30,
@@ -192,6 +215,7 @@ impl AppState {
     pub fn is_busy(&self) -> bool {
         self.loading.is_some()
             || matches!(self.tree, Tree::Building(_))
+            || self.refining.is_some()
             || self.dialog.is_some()
             || self.table.is_measuring()
     }
@@ -213,7 +237,9 @@ impl AppState {
             Command::OpenDemo => self.load(Request::demo()),
             Command::Load(request) => self.load(request),
             Command::OpenFiles(paths) => self.open_files(paths),
+            Command::ReloadSchedule => self.reload_schedule(),
             Command::CancelLoading => self.loading = None,
+            Command::DismissNews => self.news = None,
             Command::Report(error) => self.error = Some(error),
             Command::DismissError => self.error = None,
             Command::Quit => self.effects.push(Effect::Close),
@@ -250,8 +276,10 @@ impl AppState {
                 }
             }
             Command::ToggleLevelColors => self.level_colors = !self.level_colors,
+            Command::BuildHdlod if matches!(self.tree, Tree::Ready(_)) => self.refine(),
             Command::BuildHdlod => self.build_tree(),
             Command::CancelHdlod => {
+                self.refining = None;
                 if matches!(self.tree, Tree::Building(_)) {
                     self.tree = Tree::Stopped;
                 }
@@ -312,9 +340,16 @@ impl AppState {
                     self.loading = None;
                     self.error = Some("The loading thread died; nothing was loaded.".to_owned());
                 }
-                Outcome::Done(Ok(project)) => {
+                Outcome::Done(Ok(loaded)) => {
                     self.loading = None;
-                    self.show(project);
+                    match loaded {
+                        Loaded::Project(project) => self.show(*project),
+                        Loaded::Edit(edit) => self.take_edit(*edit),
+                        Loaded::Other(project) => {
+                            self.show(*project);
+                            self.news = Some(MORE_THAN_DATES.to_owned());
+                        }
+                    }
                 }
                 Outcome::Done(Err(error)) => {
                     self.loading = None;
@@ -344,6 +379,9 @@ impl AppState {
                 }
             }
         }
+        self.poll_refining();
+        self.poll_watching();
+        self.keeping.retain(Keeping::is_going_on);
         self.table.poll();
     }
 
@@ -389,11 +427,14 @@ impl AppState {
         self.selected = None;
         self.playing = false;
         self.error = None;
+        self.news = None;
+        self.refining = None;
         self.waiting_schedules.clear();
         self.frames.clear();
         self.table.reset();
+        self.watch();
         if same_models {
-            self.set_clock(self.clock);
+            self.hold_clock();
         } else {
             self.apply(Command::ToEnd);
             self.look_from(NamedView::Iso);
@@ -401,11 +442,17 @@ impl AppState {
         self.build_tree();
     }
 
-    fn build_tree(&mut self) {
+    /// Keeps the date within the period.
+    pub(super) fn hold_clock(&mut self) {
+        self.set_clock(self.clock);
+    }
+
+    pub(super) fn build_tree(&mut self) {
         let Some(project) = &self.project else { return };
         let (scene, request) = (Arc::clone(&project.scene), project.request.clone());
         let cache = self.cache.clone();
         self.tree_origin = None;
+        self.refining = None;
         let work = move |progress: &topout_scene::Progress| {
             Baked::new(&scene, &hdlod::Settings::default(), &request, cache, progress)
         };
@@ -420,19 +467,28 @@ impl AppState {
 
     /// Writes a new tree into the cache on a thread of its own: nobody waits for it, and where it
     /// does not come to its end the tree is built again the next time.
-    fn keep(&mut self, mut baked: Baked) {
+    pub(super) fn keep(&mut self, mut baked: Baked) {
         if !baked.from_cache {
             let work = move || baked.keep();
             let thread = std::thread::Builder::new().name("topout-cache".to_owned()).spawn(work);
-            self.keeping = thread.ok().map(|thread| Keeping(Some(thread)));
+            self.keeping.extend(thread.ok().map(|thread| Keeping(Some(thread))));
         }
     }
 
-    fn load(&mut self, request: Request) {
+    pub(super) fn load(&mut self, request: Request) {
         let names: Vec<String> = request.models.iter().map(name_of).collect();
-        let what = names.join(", ");
+        self.start_loading(names.join(", "), move |progress| {
+            Ok(Loaded::Project(Box::new(Project::load(request, progress)?)))
+        });
+    }
+
+    /// Loads on a thread of its own, in place of what is being loaded.
+    pub(super) fn start_loading(
+        &mut self,
+        what: String,
+        work: impl FnOnce(&topout_scene::Progress) -> anyhow::Result<Loaded> + Send + 'static,
+    ) {
         self.error = None;
-        let work = move |progress: &topout_scene::Progress| Project::load(request, progress);
         match Job::spawn("topout-load", Arc::clone(&self.wake), work) {
             Ok(job) => self.loading = Some((what, job)),
             Err(error) => self.error = Some(format!("No thread for loading {what}: {error}")),
@@ -487,7 +543,7 @@ impl AppState {
         let shown = self.project.as_ref().map(|p| p.request.clone());
         if models.is_empty() {
             match shown {
-                Some(shown) => self.load(Request { schedules, ..shown }),
+                Some(shown) => self.load_schedule(Request { schedules, ..shown }),
                 None => self.waiting_schedules = schedules,
             }
             return;

@@ -11,7 +11,7 @@ use egui::{Color32, PointerButton, Pos2, Rect, Sense, Stroke, TextureId, Ui};
 use egui_wgpu::RenderState;
 use glam::{UVec2, Vec2, Vec3};
 use std::sync::Arc;
-use topout_render::{FrameInput, FrameStats, Gpu, Renderer};
+use topout_render::{FrameInput, FrameStats, Gpu, GpuError, Renderer};
 use topout_scene::{Aabb, Hdlod, Scene, hdlod};
 
 /// Nearer (below 1) per notch of a mouse wheel.
@@ -96,7 +96,7 @@ impl Viewport {
         for command in self.gestures(ui, &response, state, &pixel) {
             state.apply(command);
         }
-        for error in self.take_over(state) {
+        if let Some(error) = self.take_over(state) {
             state.apply(error);
         }
         self.draw(state);
@@ -166,42 +166,64 @@ impl Viewport {
     }
 
     /// Uploads what changed; reports what does not fit on the device.
-    fn take_over(&mut self, state: &AppState) -> Vec<Command> {
-        let mut errors = Vec::new();
-        let Some(project) = &state.project else { return errors };
+    fn take_over(&mut self, state: &AppState) -> Option<Command> {
+        let project = state.project.as_ref()?;
         let tree = match &state.tree {
             Tree::Ready(tree) => Some(tree),
             _ => None,
         };
         let level_colors = state.level_colors && tree.is_some();
         let same_scene = self.scene.as_ref().is_some_and(|s| Arc::ptr_eq(s, &project.scene));
-        if !same_scene || level_colors != self.level_colors {
-            self.scene = Some(Arc::clone(&project.scene));
-            self.tree = None;
-            self.level_colors = level_colors;
-            self.drawn = None;
-            // In the colours of levels the scene comes with its tree.
-            if !level_colors && let Err(error) = self.renderer.set_scene(&project.scene) {
-                errors.push(Command::Report(error.to_string()));
-            }
+        let same_tree = match (&self.tree, tree) {
+            (Some(uploaded), Some(tree)) => Arc::ptr_eq(uploaded, tree),
+            // Without one the uploaded one is not drawn.
+            (_, tree) => tree.is_none(),
+        };
+        let same_colors = level_colors == self.level_colors;
+        if same_scene && same_tree && same_colors {
+            return None;
         }
-        if let Some(tree) = tree
-            && !self.tree.as_ref().is_some_and(|t| Arc::ptr_eq(t, tree))
-        {
-            self.tree = Some(Arc::clone(tree));
-            self.drawn = None;
-            let taken = if level_colors {
+        let dates_only = same_colors && !level_colors && {
+            let model = &project.scene.model;
+            self.scene.as_ref().is_some_and(|s| Arc::ptr_eq(&s.model, model))
+        };
+        let taken = match tree {
+            Some(tree) if dates_only => self.take_dates(&project.scene, tree, state),
+            None if dates_only => self.renderer.set_dates(&project.scene),
+            Some(tree) if level_colors => {
                 let (scene, tree) = hdlod::color_by_level(&project.scene, tree);
                 let taken = self.renderer.set_scene(&Arc::new(scene));
                 taken.and_then(|()| self.renderer.set_hdlod(&Arc::new(tree)))
-            } else {
-                self.renderer.set_hdlod(tree)
-            };
-            if let Err(error) = taken {
-                errors.push(Command::Report(error.to_string()));
             }
+            tree => self.renderer.set_scene(&project.scene).and_then(|()| match tree {
+                Some(tree) => self.renderer.set_hdlod(tree),
+                None => Ok(()),
+            }),
+        };
+        self.scene = Some(Arc::clone(&project.scene));
+        self.tree = tree.cloned();
+        self.level_colors = level_colors;
+        self.drawn = None;
+        taken.err().map(|error| Command::Report(error.to_string()))
+    }
+
+    /// Other dates for the model that is uploaded, with their tree: of a tree that an edit made of the
+    /// uploaded one only what moved.
+    fn take_dates(
+        &mut self,
+        scene: &Arc<Scene>,
+        tree: &Arc<Hdlod>,
+        state: &AppState,
+    ) -> Result<(), GpuError> {
+        let change = state.tree_change.as_ref();
+        match &self.tree {
+            Some(uploaded) if Arc::ptr_eq(uploaded, tree) => self.renderer.update(scene, tree, &[]),
+            Some(uploaded) => match change.and_then(|change| change.since(uploaded)) {
+                Some(dirty) => self.renderer.update(scene, tree, dirty),
+                None => self.renderer.set_dates(scene).and_then(|()| self.renderer.set_hdlod(tree)),
+            },
+            None => self.renderer.set_dates(scene).and_then(|()| self.renderer.set_hdlod(tree)),
         }
-        errors
     }
 
     /// Renders if the picture would differ from the last one.

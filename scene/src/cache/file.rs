@@ -16,6 +16,7 @@ use crate::{Hdlod, Scene, Vertex, hdlod};
 use bytemuck::{Pod, cast_slice};
 use serde::{Deserialize, Serialize};
 use std::io::{self, Write};
+use std::sync::Arc;
 use topout_schedule::Time;
 
 /// Counts up whenever a file is laid out in another way: also when a field of [`Hdlod`] or of a
@@ -89,7 +90,7 @@ pub enum Unusable {
 pub(super) fn write(mut out: impl Write, key: &Key, info: &Info, tree: &Hdlod) -> io::Result<()> {
     let (info, rest) = (postcard(info)?, postcard(tree)?);
     let sections: [&[u8]; SECTIONS] =
-        [&info, &rest, cast_slice(&tree.vertices), cast_slice(&tree.indices)];
+        [&info, &rest, cast_slice(tree.vertices.as_slice()), cast_slice(&tree.indices)];
     let mut header = Vec::with_capacity(HEADER);
     header.extend_from_slice(&MAGIC);
     header.extend_from_slice(&FORMAT.to_le_bytes());
@@ -145,7 +146,7 @@ pub(super) fn read(bytes: &[u8], key: &Key, scene: &Scene) -> Result<Hdlod, Unus
     let (vertices, indices): (Vec<Vertex>, Vec<u32>) =
         tables.ok_or(Unusable::Content("a table"))?;
     let tree = tree.ok_or(Unusable::Content("the tree"))?;
-    let tree = Hdlod { vertices, indices, ..tree };
+    let tree = Hdlod { vertices: Arc::new(vertices), indices, ..tree };
     tree.validate(scene).map_err(Unusable::Content)?;
     Ok(tree)
 }

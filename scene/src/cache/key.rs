@@ -6,8 +6,9 @@ use bytemuck::cast_slice;
 use rayon::prelude::*;
 use std::fmt;
 
-/// BLAKE3 of everything that a tree depends on besides the program: geometry, places, colours,
-/// behaviours, the period and the build's settings. Names and activities do not matter.
+/// What a tree depends on besides the program, hashed by BLAKE3: the first half of the bytes says
+/// geometry, places, colours and the build's settings, the other half all of that and behaviours and
+/// the period. Names and activities do not matter.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Key(pub(super) [u8; 32]);
 
@@ -19,10 +20,6 @@ impl Key {
         let mut hash = Parts(blake3::Hasher::new());
         // Settings in their serialised form: a new field changes the key by itself.
         hash.bytes(&postcard::to_stdvec(settings).expect("plain values can be serialised"));
-        hash.numbers(
-            &[scene.schedule.period.start, scene.schedule.period.end].map(|t| t.seconds()),
-        );
-
         let meshes: Vec<[u8; 32]> = model.meshes.par_iter().with_min_len(64).map(mesh).collect();
         hash.bytes(meshes.as_flattened());
         hash.bytes(&model.materials.iter().flat_map(material).collect::<Vec<u8>>());
@@ -39,16 +36,25 @@ impl Key {
             elements.extend_from_slice(&bounds(&element.bounds));
         }
         hash.bytes(&elements);
+        let model: [u8; 32] = hash.0.finalize().into();
 
+        hash.numbers(
+            &[scene.schedule.period.start, scene.schedule.period.end].map(|t| t.seconds()),
+        );
         hash.bytes(cast_slice(&scene.element_behaviour.iter().map(|b| b.0).collect::<Vec<u32>>()));
         for behaviour in &scene.behaviours {
             let toggles = behaviour.toggles().iter().map(|t| t.seconds());
             let initial = std::iter::once(i64::from(behaviour.initial()));
             hash.numbers(&initial.chain(toggles).collect::<Vec<i64>>());
         }
-        Self(hash.0.finalize().into())
+        let mut key: [u8; 32] = hash.0.finalize().into();
+        key[..MODEL_BYTES].copy_from_slice(&model[..MODEL_BYTES]);
+        Self(key)
     }
 }
+
+/// The bytes of a key that say model and settings; 128 bits do not collide by chance.
+pub(super) const MODEL_BYTES: usize = 16;
 
 impl fmt::Display for Key {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -6,7 +6,9 @@
 //! | the bytes of one tree | `file` |
 //! | the folder: finding, keeping, listing, clearing | `store` |
 //!
-//! A tree that is taken from the cache equals the one that would be built. A file is used only
+//! A tree that is taken from the cache equals the one that would be built, or is one that was repaired
+//! after an edit of the schedule: other geometry, the same promise and thresholds. Of one model and one
+//! way of building the trees of the [`MOST_SCHEDULES`] schedules used last are kept. A file is used only
 //! when its versions, its key and its checksum are right and the tree in it fits the scene
 //! ([`Hdlod::validate`]); any other is a miss, and the next tree that is kept replaces it. Files
 //! are written under another name and renamed when they are whole: whoever reads, reads all or
@@ -23,4 +25,4 @@ mod tests;
 
 pub use file::{FORMAT, Info, Unusable};
 pub use key::Key;
-pub use store::{Cache, Entry, Found, StoreError, Total};
+pub use store::{Cache, Entry, Found, MOST_SCHEDULES, StoreError, Total};

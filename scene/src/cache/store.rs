@@ -2,6 +2,7 @@
 
 use super::Key;
 use super::file::{self, INFO_BYTES, Info, Unusable};
+use super::key::MODEL_BYTES;
 use crate::{Hdlod, Scene};
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Read, Write};
@@ -72,6 +73,10 @@ pub enum StoreError {
 const EXTENSION: &str = "hdlod";
 const UNFINISHED: &str = "unfinished";
 
+/// Trees of one model and one way of building that are kept, those used last: every edit of the
+/// schedule makes another one, and a day of planning shall not push out all other projects.
+pub const MOST_SCHEDULES: usize = 4;
+
 /// An unfinished file this old belongs to nobody any more.
 const ABANDONED: Duration = Duration::from_secs(3600);
 
@@ -111,7 +116,8 @@ impl Cache {
         }
     }
 
-    /// Keeps a tree, and lets go of those that were not used for longest where there is no room.
+    /// Keeps a tree, and lets go of those that were not used for longest where there is no room, and
+    /// where there are more than [`MOST_SCHEDULES`] for the same model and settings.
     /// Returns the bytes of its file.
     ///
     /// # Errors
@@ -173,7 +179,8 @@ impl Cache {
         Ok(gone)
     }
 
-    /// Removes what was not used for longest until the rest fits, never the tree of `newest`.
+    /// Removes what was not used for longest, first of the same model, then until the rest fits;
+    /// never the tree of `newest`.
     /// Files that cannot be removed, or are removed by another process, are left to it.
     fn make_room(&self, newest: &Key) {
         let now = SystemTime::now();
@@ -185,12 +192,27 @@ impl Cache {
         let mut files = self.files(EXTENSION).unwrap_or_default();
         files.sort_by_key(|(_, _, used)| *used);
         let mut total: u64 = files.iter().map(|(_, bytes, _)| bytes).sum();
-        let newest = self.path(newest);
+        let newest_path = self.path(newest);
+        files.retain(|(path, ..)| *path != newest_path);
+        let model = &newest.to_string()[..MODEL_BYTES * 2];
+        let same_model =
+            |path: &Path| path.file_name().is_some_and(|n| n.to_string_lossy().starts_with(model));
+        let siblings = files.iter().filter(|(path, ..)| same_model(path)).count();
+        let mut too_many = siblings.saturating_sub(MOST_SCHEDULES - 1);
+        // Which frees room for other projects, so it comes first.
+        files.retain(|(path, bytes, _)| {
+            let goes = too_many > 0 && same_model(path) && fs::remove_file(path).is_ok();
+            if goes {
+                too_many -= 1;
+                total -= bytes;
+            }
+            !goes
+        });
         for (path, bytes, _) in files {
             if total <= self.limit_bytes {
                 break;
             }
-            if path != newest && fs::remove_file(path).is_ok() {
+            if fs::remove_file(path).is_ok() {
                 total -= bytes;
             }
         }

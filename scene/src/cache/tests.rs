@@ -248,9 +248,9 @@ fn every_kind_of_wrong_reference_is_refused() {
     let changes: [Change<Hdlod>; 18] = [
         ("index", &|t| t.indices[4] = u32::MAX),
         ("indices", &|t| t.indices.truncate(t.indices.len() - 3)),
-        ("vertices", &|t| t.vertices.truncate(t.vertices.len() - 1)),
-        ("position", &|t| t.vertices[2].position[1] = f32::NAN),
-        ("material", &|t| t.vertices[2].material = u16::MAX),
+        ("vertices", &|t| _ = Arc::make_mut(&mut t.vertices).pop()),
+        ("position", &|t| Arc::make_mut(&mut t.vertices)[2].position[1] = f32::NAN),
+        ("material", &|t| Arc::make_mut(&mut t.vertices)[2].material = u16::MAX),
         ("child after parent", &|t| t.children[inner] = Node::Cluster(last as u32)),
         ("no such child", &|t| t.children[inner] = Node::Cluster(u32::MAX)),
         ("no such element", &|t| t.children[0] = Node::Leaf(ElementId(9999))),
@@ -313,6 +313,43 @@ fn what_was_not_used_for_longest_goes_first() {
     assert!(!cache.path(&keys[1]).exists(), "the oldest");
     assert!(cache.path(&keys[2]).exists() && cache.path(&keys[0]).exists());
     assert_eq!(cache.list().unwrap()[0].path, cache.path(&keys[3]));
+}
+
+/// Every edit of the dates makes another tree of the same model: they push each other out, not the
+/// trees of other projects.
+#[test]
+fn few_schedules_of_one_model_are_kept() {
+    let (_folder, cache) = cache(u64::MAX);
+    let projects = scenes(2);
+    let long_ago = SystemTime::now() - Duration::from_secs(9000);
+    let keep = |scene: &Scene, tree: &Hdlod, age: u64| {
+        let key = Key::of(scene, &TIGHT);
+        cache.keep(&key, &Info::default(), tree).unwrap();
+        let file = fs::File::open(cache.path(&key)).unwrap();
+        file.set_modified(long_ago + Duration::from_secs(age)).unwrap();
+        key
+    };
+    let (other, other_tree) = &projects[1];
+    let other_key = keep(other, other_tree, 0);
+    let (scene, tree) = &projects[0];
+    let paper = Key::of(scene, &Settings { temporal: Temporal::Paper });
+    cache.keep(&paper, &Info::default(), tree).unwrap();
+    let edited = |days: u64| {
+        let mut scene = scene.clone();
+        let period = scene.schedule.period;
+        scene.schedule.period.end = period.end.plus_seconds(days as i64 * 86_400);
+        scene
+    };
+    let most = MOST_SCHEDULES as u64;
+    let keys: Vec<Key> = (0..most).map(|i| keep(&edited(i), tree, 10 + i)).collect();
+    // Used again, so the second is the oldest.
+    fs::File::open(cache.path(&keys[0])).unwrap().set_modified(SystemTime::now()).unwrap();
+    let newest = keep(&edited(most), tree, 100);
+    let there = |key: &Key| cache.path(key).exists();
+    let left: Vec<bool> = keys.iter().map(there).collect();
+    let expected: Vec<bool> = (0..keys.len()).map(|i| i != 1).collect();
+    assert_eq!(left, expected);
+    assert!(there(&newest) && there(&other_key) && there(&paper));
 }
 
 #[test]

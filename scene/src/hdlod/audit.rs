@@ -266,23 +266,14 @@ fn sampled(a: &[Triangle], b: &[Triangle], presence: &PresenceTable) -> f64 {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::super::tests::{Part, built, scene_of};
+    use super::super::tests::{built, storeys};
     use super::*;
     use topout_schedule::Behaviour;
 
     /// A crowd of boxes: the library says little of what vanished, the certificate says all.
     #[test]
     fn certificates_are_tight_and_claims_are_not() {
-        let parts: Vec<Part> = (0..600)
-            .map(|i| Part {
-                center: Vec3::new((i % 10) as f32, (i / 100) as f32 * 2.0, (i / 10 % 10) as f32),
-                size: Vec3::new(0.7, 0.2 + (i % 7) as f32 * 0.1, 0.3),
-                turn: (i % 3) as f32,
-                mesh: 0,
-                behaviour: 0,
-            })
-            .collect();
-        let scene = scene_of(&parts, &[Behaviour::always()]);
+        let scene = storeys(2.0, [0.7, 0.3], &vec![Behaviour::always(); 6]);
         let hdlod = built(&scene, Temporal::Tight);
         let audit = audit(&scene, &hdlod, 50, &Progress::default()).unwrap();
         assert!(audit.clusters > 5, "{audit:?}");

@@ -12,6 +12,7 @@ use super::{Cluster, Hdlod, LevelStats, MAX_STEPS, Node, Settings, Temporal};
 use crate::{Aabb, Cancelled, ElementId, Progress, Scene};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
+use std::sync::Arc;
 use topout_schedule::{Behaviour, BoundedStep, StepFunction};
 
 /// A cluster is measured against those descendants whose own error is at most this share of its
@@ -402,7 +403,7 @@ fn finish(
             base_vertex: result.vertices.len() as u32,
             layers: inner.geometry.layers,
         });
-        result.vertices.extend_from_slice(&inner.geometry.vertices);
+        Arc::make_mut(&mut result.vertices).extend_from_slice(&inner.geometry.vertices);
         result.indices.extend_from_slice(&inner.geometry.indices);
     }
     result.root = root.map(|r| nodes[r as usize]);

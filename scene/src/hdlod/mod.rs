@@ -10,7 +10,7 @@
 //! | how far soups are apart, proved | `certify`, `bvh` | R10, R11 |
 //! | what may stand for what in time | `presence` | R11 |
 //! | the loop over levels | `build` | H4, H6, H7, H11, R2, R9 |
-//! | other dates for a tree | `restate`, `repair` | H6, H7, R11 |
+//! | other dates for a tree | `restate`, `repair`, `renumber` | H6, H7, R11 |
 //! | what the tree is like | `report`, `paint` | H13, H14 |
 //! | what to draw | `select` | H8, H9, H10, R1, R5 to R8 |
 //! | is all of this true? | `verify`, `audit` | H4 to H7, R2, R3, R7, R8, R10, R11 |
@@ -34,6 +34,7 @@ mod paint;
 mod palette;
 mod parts;
 mod presence;
+mod renumber;
 mod repair;
 mod report;
 mod restate;
@@ -55,6 +56,7 @@ pub use soup::Run;
 use crate::{Aabb, BehaviourId, ElementId, Layer, Vertex};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
+use std::sync::Arc;
 use topout_schedule::{BoundedStep, TimeRange};
 
 /// Counts up whenever [`build`] gives another tree for the same scene and settings: trees that an
@@ -98,9 +100,10 @@ pub struct Hdlod {
     /// The promise that it was built for.
     pub temporal: Temporal,
     // The cache keeps the two large tables apart from the rest.
-    /// Vertices of all clusters, local space (metres from the model's origin).
+    /// Vertices of all clusters, local space (metres from the model's origin). Trees that differ in
+    /// dates alone share them.
     #[serde(skip)]
-    pub vertices: Vec<Vertex>,
+    pub vertices: Arc<Vec<Vertex>>,
     /// Indices of all clusters, three a triangle, relative to [`Cluster::base_vertex`].
     #[serde(skip)]
     pub indices: Vec<u32>,

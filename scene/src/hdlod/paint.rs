@@ -29,12 +29,13 @@ pub fn color_by_level(scene: &Scene, tree: &Hdlod) -> (Scene, Hdlod) {
         }
     }
     let mut painted = tree.clone();
+    let vertices = Arc::make_mut(&mut painted.vertices);
     for cluster in &tree.clusters {
         let own = 2 * (1 + cluster.level - first) as u16;
         for (layer, _, range) in cluster.runs() {
             for &index in &tree.indices[range] {
                 let vertex = (cluster.base_vertex() + index) as usize;
-                painted.vertices[vertex].material = own + u16::from(layer == Layer::Transparent);
+                vertices[vertex].material = own + u16::from(layer == Layer::Transparent);
             }
         }
     }

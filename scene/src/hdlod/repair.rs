@@ -11,6 +11,7 @@ use super::{Cluster, Hdlod, Node, Settings, Temporal, build};
 use crate::{Aabb, Cancelled, Progress, Scene};
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 impl Hdlod {
     /// A tree without stale clusters, for the background: the work of a build for these clusters
@@ -38,7 +39,9 @@ impl Hdlod {
         let mut stale: Vec<u32> =
             (0..).zip(&self.clusters).filter(|(_, c)| c.stale).map(|(i, _)| i).collect();
         stale.sort_by_key(|&i| self.clusters[i as usize].level);
-        progress.begin("HDLOD: repair", stale.len() as u64)?;
+        // The few coarse ones take the longest.
+        let work_of = |i: u32| u64::from(self.clusters[i as usize].leaves);
+        progress.begin("HDLOD: repair", stale.iter().map(|&i| work_of(i)).sum())?;
         let mut merged = HashMap::new();
         // Children are of a lower level, so clusters of one level do not wait for each other.
         for level in stale.chunk_by(|&a, &b| self.level_of(a) == self.level_of(b)) {
@@ -46,7 +49,7 @@ impl Hdlod {
                 .par_iter()
                 .map(|&i| {
                     let new = work.merge(&self.clusters[i as usize], &merged, progress)?;
-                    progress.advance(1)?;
+                    progress.advance(work_of(i))?;
                     Ok((i, new))
                 })
                 .collect();
@@ -73,14 +76,15 @@ impl Hdlod {
             loose: self.loose.clone(),
             ..Hdlod::default()
         };
+        let mut vertices = Vec::with_capacity(self.vertices.len());
         for (i, old) in self.clusters.iter().enumerate() {
             let mut cluster = old.clone();
-            let (first_index, base_vertex) = (tree.indices.len(), tree.vertices.len());
+            let (first_index, base_vertex) = (tree.indices.len(), vertices.len());
             cluster.first_index = first_index as u32;
             cluster.base_vertex = base_vertex as u32;
             cluster.stale = false;
             if let Some(new) = merged.remove(&(i as u32)) {
-                tree.vertices.extend_from_slice(&new.geometry.vertices);
+                vertices.extend_from_slice(&new.geometry.vertices);
                 tree.indices.extend_from_slice(&new.geometry.indices);
                 cluster.layers = new.geometry.layers;
                 cluster.pairs = new.pairs.into();
@@ -90,8 +94,8 @@ impl Hdlod {
                 cluster.bounds = new.bounds;
             } else {
                 let end = self.clusters.get(i + 1).map(|c| c.base_vertex as usize);
-                let vertices = old.base_vertex as usize..end.unwrap_or(self.vertices.len());
-                tree.vertices.extend_from_slice(&self.vertices[vertices]);
+                let range = old.base_vertex as usize..end.unwrap_or(self.vertices.len());
+                vertices.extend_from_slice(&self.vertices[range]);
                 tree.indices.extend_from_slice(self.indices_of(old));
                 cluster.layers.iter_mut().flat_map(|l| &mut l.runs).for_each(|run| {
                     run.built = run.behaviour;
@@ -101,6 +105,7 @@ impl Hdlod {
             }
             tree.clusters.push(cluster);
         }
+        tree.vertices = Arc::new(vertices);
         tree
     }
 

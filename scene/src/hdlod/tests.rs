@@ -62,6 +62,21 @@ pub(super) struct Part {
     pub behaviour: usize,
 }
 
+/// Storeys of a hundred turned boxes each, `rise` metres apart; `size` is the boxes' width and depth.
+/// A behaviour for each storey.
+pub(super) fn storeys(rise: f32, size: [f32; 2], behaviours: &[Behaviour]) -> Scene {
+    let parts: Vec<Part> = (0..behaviours.len() * 100)
+        .map(|i| Part {
+            center: Vec3::new((i % 10) as f32, (i / 100) as f32 * rise, (i / 10 % 10) as f32),
+            size: Vec3::new(size[0], 0.2 + (i % 7) as f32 * 0.1, size[1]),
+            turn: (i % 3) as f32,
+            mesh: 0,
+            behaviour: i / 100,
+        })
+        .collect();
+    scene_of(&parts, behaviours)
+}
+
 pub(super) fn scene_of(parts: &[Part], behaviours: &[Behaviour]) -> Scene {
     let mut model = Model {
         meshes: (0..3).map(cube).collect(),

@@ -106,6 +106,14 @@ proptest! {
         for &second in &times {
             check_promise(&tree, &after, Time::from_seconds(second))?;
         }
+        // With the ids of a scene that was never edited it is a tree of that scene.
+        let (fresh, ids) = after.renumbered();
+        let renumbered = tree.clone().renumbered(&ids).unwrap();
+        prop_assert_eq!(renumbered.validate(&fresh), Ok(()));
+        prop_assert_eq!(&from_scratch(&renumbered, &fresh), &renumbered);
+        for &second in &times {
+            check_promise(&renumbered, &fresh, Time::from_seconds(second))?;
+        }
         // What was repaired can be edited.
         let (again, concerned) = changed(&after, &second);
         tree.restate(&again, &concerned).unwrap();
@@ -243,6 +251,19 @@ fn what_was_never_there_is_drawn_once_it_is() {
     check_selection(&repaired, &after, Time::from_seconds(25)).unwrap();
     tree.restate(&without, &concerned).unwrap();
     assert!(tree.loose.is_empty());
+}
+
+/// A run that names a behaviour of the past belongs to a tree that was not repaired.
+#[test]
+fn a_tree_that_was_not_repaired_cannot_be_renumbered() {
+    let scene = slabs_with_tiles();
+    let (after, concerned) = moved(&scene, 0, true, 30);
+    let mut tree = built(&scene, Temporal::Tight);
+    tree.restate(&after, &concerned).unwrap();
+    let (_, ids) = after.renumbered();
+    assert_eq!(tree.clone().renumbered(&ids), Err(OtherScene));
+    let repaired = tree.repair(&after, &Progress::default()).unwrap();
+    assert!(repaired.renumbered(&ids).is_ok());
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The checker finds nothing on trees that are right, and everything that is made wrong.
 #![allow(clippy::unwrap_used)]
 
-use super::super::tests::{Part, built, scene, scene_of};
+use super::super::tests::{built, scene, storeys};
 use super::tree::{Item, Tree, nearest_on};
 use super::*;
 use crate::hdlod::Temporal;
@@ -82,19 +82,10 @@ fn point() -> impl Strategy<Value = Vec3> {
 
 /// Ten storeys of slabs, each a few days after the one below.
 fn tower() -> Scene {
-    let parts: Vec<Part> = (0..1000)
-        .map(|i| Part {
-            center: Vec3::new((i % 10) as f32, (i / 100) as f32 * 3.0, (i / 10 % 10) as f32),
-            size: Vec3::new(0.9, 0.2 + (i % 7) as f32 * 0.1, 0.9),
-            turn: (i % 3) as f32,
-            mesh: 0,
-            behaviour: i / 100,
-        })
-        .collect();
     let behaviours: Vec<Behaviour> = (0..10)
         .map(|s| Behaviour::new(false, vec![Time::from_seconds(5 + s * 10)]).unwrap())
         .collect();
-    scene_of(&parts, &behaviours)
+    storeys(3.0, [0.9, 0.9], &behaviours)
 }
 
 #[test]
