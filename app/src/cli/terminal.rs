@@ -6,7 +6,7 @@ use std::io::{IsTerminal, Write};
 use std::sync::Arc;
 use std::sync::mpsc::{RecvTimeoutError, Sender, channel};
 use std::thread::JoinHandle;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use topout_scene::Progress;
 
 /// Log lines go to standard error; `RUST_LOG` says which, warnings by default.
@@ -41,18 +41,46 @@ impl ProgressLine {
         let progress = Arc::clone(progress);
         let worker = std::thread::Builder::new().name("progress".to_owned()).spawn(move || {
             let bar = ProgressBar::with_draw_target(Some(1000), ProgressDrawTarget::stderr());
-            if let Ok(style) = ProgressStyle::with_template("{msg:<32} {bar:30} {elapsed}") {
+            if let Ok(style) = ProgressStyle::with_template("{msg:<44} {bar:30} {elapsed}") {
                 bar.set_style(style);
             }
+            let mut step = Step::default();
             while stopped.recv_timeout(Duration::from_millis(100)) == Err(RecvTimeoutError::Timeout)
             {
                 let (stage, share) = progress.state();
-                bar.set_message(stage);
+                bar.set_message(step.describe(&stage, share));
                 bar.set_position((share * 1000.0) as u64);
             }
             bar.finish_and_clear();
         });
         Self { worker: worker.ok().map(|worker| (stop, worker)) }
+    }
+}
+
+/// The stage that is shown and when it began.
+#[derive(Default)]
+struct Step {
+    name: String,
+    since: Option<Instant>,
+}
+
+impl Step {
+    /// With the time that is left, once there is something to tell it from.
+    fn describe(&mut self, stage: &str, share: f32) -> String {
+        const LEAST_SHARE: f32 = 0.02;
+        const LEAST_SECONDS: f32 = 3.0;
+        if self.name != stage {
+            (self.name, self.since) = (stage.to_owned(), None);
+        }
+        let passed = self.since.get_or_insert_with(Instant::now).elapsed().as_secs_f32();
+        if share < LEAST_SHARE || passed < LEAST_SECONDS {
+            return stage.to_owned();
+        }
+        let left = (passed * (1.0 - share) / share) as u64;
+        match left {
+            0..120 => format!("{stage}, {left} s left"),
+            _ => format!("{stage}, {} min left", left.div_ceil(60)),
+        }
     }
 }
 
@@ -62,5 +90,22 @@ impl Drop for ProgressLine {
             drop(stop);
             let _ = worker.join();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_time_left_is_told_once_it_is_known() {
+        let mut step = Step::default();
+        assert_eq!(step.describe("build", 0.5), "build", "it only began");
+        step.since = Instant::now().checked_sub(Duration::from_secs(10));
+        assert_eq!(step.describe("build", 0.001), "build", "too little to tell it from");
+        assert_eq!(step.describe("build", 0.5), "build, 10 s left");
+        step.since = Instant::now().checked_sub(Duration::from_secs(90));
+        assert_eq!(step.describe("build", 0.25), "build, 5 min left");
+        assert_eq!(step.describe("write", 0.25), "write", "another step");
     }
 }

@@ -16,6 +16,9 @@ const COORDINATE_ROUNDING: f32 = 2.0 * f32::EPSILON;
 /// Rounding of shares, which are f32 and are averaged level by level.
 const SHARE_ROUNDING: f64 = 2e-5;
 
+/// Points on the smallest clusters, where the plan allows as many.
+const FEWEST_POINTS: usize = 1000;
+
 /// Dates at which a cluster's ranges are counted.
 const RANGE_DATES: usize = 24;
 
@@ -42,8 +45,9 @@ pub(super) fn check(
         return Ok(false);
     }
     let chosen = sample(hdlod.clusters.len(), plan);
-    let leaves: u64 = chosen.iter().map(|&i| u64::from(hdlod.clusters[i].leaves)).sum();
-    progress.begin(&format!("verify: {} clusters", chosen.len()), leaves)?;
+    let work = |i: usize| effort(&hdlod.clusters[i], plan);
+    let total = chosen.iter().map(|&i| work(i)).sum();
+    progress.begin(&format!("verify: {} clusters", chosen.len()), total)?;
     // Small jobs, and the large clusters (they come last) not all in one of them.
     let verdicts: Result<Vec<Verdict>, Cancelled> = chosen
         .par_iter()
@@ -51,7 +55,7 @@ pub(super) fn check(
         .map(|&i| {
             progress.check()?;
             let verdict = Check::new(scene, hdlod, plan, i).run(progress)?;
-            progress.advance(u64::from(hdlod.clusters[i].leaves))?;
+            progress.advance(work(i))?;
             Ok(verdict)
         })
         .collect();
@@ -68,6 +72,16 @@ pub(super) fn check(
         verdict.findings.into_iter().for_each(|f| report.tell(f));
     }
     Ok(true)
+}
+
+/// What a cluster's check takes beside that of others, about: all leaves are read, and so many points
+/// measured.
+fn effort(cluster: &Cluster, plan: &Plan) -> u64 {
+    /// Triangles of an element, as a rule.
+    const TRIANGLES: u64 = 40;
+    let triangles = u64::from(cluster.leaves) * TRIANGLES;
+    let points = triangles.saturating_mul(plan.triangle_points as u64);
+    triangles + points.min(plan.cluster_points as u64).max(FEWEST_POINTS as u64)
 }
 
 /// Places of the clusters to check, in rising order.
@@ -470,9 +484,10 @@ impl<'a> Check<'a> {
     }
 
     fn one_way(&mut self, from: &[&Item], to: &Present, what: &str, worst: &mut (f64, String)) {
-        for (point, owner) in points_on(from, self.plan.cluster_points, &mut self.random) {
-            let distance = to.nearest(point).map_or(f64::INFINITY, |q| point.distance(q));
-            if distance > worst.0 {
+        let most = from.len().saturating_mul(self.plan.triangle_points);
+        let most = most.max(FEWEST_POINTS).min(self.plan.cluster_points);
+        for (point, owner) in points_on(from, most, &mut self.random) {
+            if let Some(distance) = to.farther(point, worst.0) {
                 *worst = (distance, format!("{what}, at {point:.3} (element {owner})"));
             }
         }

@@ -37,6 +37,8 @@ pub struct Plan {
     pub clusters: usize,
     /// Most points that are measured for a cluster, each way and date.
     pub cluster_points: usize,
+    /// Points for each triangle of a cluster, where `cluster_points` allows as many.
+    pub triangle_points: usize,
     /// Dates at which a cluster is checked.
     pub cluster_dates: usize,
     /// Of the pictures every so many-th pixel each way is looked at.
@@ -53,6 +55,7 @@ impl Plan {
             tolerance_px,
             clusters: 10_000,
             cluster_points: 1500,
+            triangle_points: 16,
             cluster_dates: 3,
             stride: 4,
             seed: 1,

@@ -59,6 +59,9 @@ proptest! {
         let scan = kept().map(|i| distance(nearest_on(origin, i.corners.map(|c| c.as_dvec3()))));
         let scan = scan.fold(f64::INFINITY, f64::min);
         prop_assert_eq!(present.nearest(origin).map_or(f64::INFINITY, distance), scan);
+        for limit in [0.0, scan * 0.5, scan, scan + 1.0] {
+            prop_assert_eq!(present.farther(origin, limit), (scan > limit).then_some(scan));
+        }
 
         let mut seen = Vec::new();
         present.seen(origin, direction, 0.0, &mut seen);

@@ -121,6 +121,19 @@ pub(super) struct Met {
 impl Present<'_> {
     /// The nearest point of all triangles; `None` where there is none.
     pub fn nearest(&self, point: DVec3) -> Option<DVec3> {
+        self.search(point, -1.0).1
+    }
+
+    /// The distance of a point, if it is above `limit`; infinite where there are no triangles. Whoever
+    /// looks for the farthest of many points need not know how near the others are.
+    pub fn farther(&self, point: DVec3, limit: f64) -> Option<f64> {
+        let distance = self.search(point, limit * limit).0.sqrt();
+        (distance > limit).then_some(distance)
+    }
+
+    /// Squared distance and place of the nearest point, or of any whose squared distance is at most
+    /// `enough`.
+    fn search(&self, point: DVec3, enough: f64) -> (f64, Option<DVec3>) {
         let nodes = &self.tree.nodes;
         let mut best = (f64::INFINITY, None);
         let mut stack = [(0f64, 0u32); 80];
@@ -160,8 +173,11 @@ impl Present<'_> {
                     }
                 }
             }
+            if best.0 <= enough {
+                break;
+            }
         }
-        best.1
+        best
     }
 
     /// What is seen along `origin + k * direction` for k from `start`: everything that is seen
