@@ -24,14 +24,16 @@
 //! are allowed, see [`DISTINCT_HEIGHT`] and [`Palette::alike`], and of the colours that go over to them,
 //! see [`SLIM_HEIGHT`].
 
+use super::mixture::{Mixed, even_out};
 use super::palette::Palette;
 use super::parts::{self, Flat, FlatLimits};
+use super::pieces::{Grid, Query, SUBDIVISIONS};
 use super::presence::PresenceTable;
 use super::restate::Pair;
 use super::soup::Triangle;
 use crate::{Aabb, Cancelled, Layer, Progress};
-use glam::{IVec3, Vec3};
-use std::collections::{HashMap, HashSet};
+use glam::Vec3;
+use std::collections::HashSet;
 use std::ops::Range;
 
 /// How far corners may move to the grid, as a share of the budget. 0.3 and 0.7 draw within 5 % of
@@ -54,16 +56,7 @@ const SLIM_HEIGHT: f32 = 1.25;
 
 /// What is higher is only covered by what lies about parallel (cosine of the angle): a facade whose
 /// panels were left to the edges of the slabs behind them is open.
-const PARALLEL: f32 = 0.7;
-
-/// Least share of its own colour that a triangle keeps when others are merged into it.
-const OWN_SHARE: f32 = 0.3;
-
-/// Midpoint subdivisions tried before a cover counts as not found.
-const SUBDIVISIONS: u32 = 3;
-
-/// Cells of the triangle index along the longest side.
-const INDEX_CELLS: f32 = 24.0;
+pub(super) const PARALLEL: f32 = 0.7;
 
 /// A simplified soup and how far it is from its source, in metres, at any date, both ways.
 pub(crate) struct Simplified {
@@ -103,21 +96,21 @@ pub(crate) fn simplify(
 }
 
 /// What may be kept: one or two triangles that stand for some sources.
-struct Item {
-    triangle: Triangle,
-    bounds: Aabb,
-    normal: Vec3,
-    area: f32,
+pub(super) struct Item {
+    pub triangle: Triangle,
+    pub bounds: Aabb,
+    pub normal: Vec3,
+    pub area: f32,
     /// The source triangles it stands for: a range of [`Work::sources`].
-    sources: Range<u32>,
+    pub sources: Range<u32>,
     /// Items of one rectangle have the same number and live and die together.
-    unit: u32,
+    pub unit: u32,
     /// In the middle of a thin part: it has no side.
-    flat: bool,
+    pub flat: bool,
     /// What it took the place of.
-    mixed: Mixed,
-    dead: bool,
-    locked: bool,
+    pub mixed: Mixed,
+    pub dead: bool,
+    pub locked: bool,
 }
 
 impl Item {
@@ -390,285 +383,10 @@ impl Work {
     }
 }
 
-/// Gives triangles of one material that share their longest edge, the two halves of a rectangle,
-/// the same mixture: the eye sees one face.
-fn even_out(items: &mut [Item]) {
-    let mut halves = HashMap::new();
-    for i in 0..items.len() {
-        let Item { triangle, normal, .. } = &items[i];
-        let [a, b, c] = triangle.corners;
-        let longest = [(a, b), (b, c), (c, a)]
-            .into_iter()
-            .max_by(|x, y| x.0.distance(x.1).total_cmp(&y.0.distance(y.1)))
-            .expect("three edges");
-        let [p, q] = [longest.0, longest.1].map(|v| v.to_array().map(f32::to_bits));
-        let key = (p.min(q), p.max(q), triangle.material, triangle.behaviour);
-        let Some(other) = halves.insert(key, i) else { continue };
-        if normal.dot(items[other].normal).abs() > PARALLEL {
-            let both = items[i].mixed.with(items[other].mixed);
-            let area = items[i].area + items[other].area;
-            for half in [i, other] {
-                items[half].mixed = both.times(items[half].area / area);
-            }
-        }
-    }
-}
-
 /// How many surfaces of a part lie one behind the other where a rectangle stands for it.
 fn panes(part: &[Triangle], halves: &[Triangle; 2]) -> f32 {
     let area = |triangles: &[Triangle]| triangles.iter().map(Triangle::area).sum::<f32>();
     (area(part) / area(halves).max(f32::MIN_POSITIVE)).clamp(1.0, 4.0)
-}
-
-/// What several surfaces look like together.
-#[derive(Clone, Copy, Default)]
-struct Mixed {
-    /// Gamma-encoded, times opacity and area.
-    color: Vec3,
-    /// Times area.
-    opacity: f32,
-    area: f32,
-}
-
-impl Mixed {
-    fn add(&mut self, palette: &Palette, material: u16, area: f32) {
-        let opacity = palette.opacity(material);
-        self.color += palette.color(material) * (opacity * area);
-        self.opacity += opacity * area;
-        self.area += area;
-    }
-
-    fn with(self, other: Self) -> Self {
-        Self {
-            color: self.color + other.color,
-            opacity: self.opacity + other.opacity,
-            area: self.area + other.area,
-        }
-    }
-
-    fn times(self, share: f32) -> Self {
-        Self { color: self.color * share, opacity: self.opacity * share, area: self.area * share }
-    }
-
-    /// The material of a surface with all this on it or beside it. What lies on it hides it, what
-    /// lies beside it adds to it; either way some of it is left.
-    fn over(mut self, palette: &Palette, material: u16, area: f32) -> u16 {
-        if self.area == 0.0 {
-            return material;
-        }
-        self.add(palette, material, (area - self.area).max(area * OWN_SHARE));
-        palette.blend(
-            material,
-            self.color / self.opacity.max(f32::MIN_POSITIVE),
-            self.opacity / self.area,
-        )
-    }
-}
-
-struct Query<'a> {
-    items: &'a [Item],
-    grid: &'a Grid,
-    own: u32,
-    radius: f32,
-    may: &'a dyn Fn(&Item) -> bool,
-    found: Vec<u32>,
-    worst: f32,
-}
-
-impl Query<'_> {
-    /// Covers a piece by one triangle or by covering its four parts.
-    fn piece(&mut self, corners: [Vec3; 3], depth: u32) -> bool {
-        let nearest = self.near(corners[0]);
-        match nearest.whole(self, corners) {
-            Some((i, distance)) => {
-                self.worst = self.worst.max(distance);
-                if !self.found.contains(&i) {
-                    self.found.push(i);
-                }
-                true
-            }
-            None if depth == 0 || !nearest.any => false,
-            None => {
-                let [a, b, c] = corners;
-                let (ab, bc, ca) = ((a + b) * 0.5, (b + c) * 0.5, (c + a) * 0.5);
-                // The outer parts first: they hold the corners, where covers fail.
-                self.piece([b, bc, ab], depth - 1)
-                    && self.piece([c, ca, bc], depth - 1)
-                    && self.piece([a, ab, ca], depth - 1)
-                    && self.piece([ab, bc, ca], depth - 1)
-            }
-        }
-    }
-
-    /// Whether anything covers the middle. Most triangles that must stay fail here, at once:
-    /// neighbours touch their corners but do not reach inside.
-    fn reaches_middle(&self, [a, b, c]: [Vec3; 3]) -> bool {
-        let middle = (a + b + c) / 3.0;
-        self.grid.any(middle, self.radius, |i| self.covers(i, middle).is_some())
-    }
-
-    fn near(&self, point: Vec3) -> Near {
-        let mut near = Near { candidates: [(0, 0.0); Near::KEPT], count: 0, any: false };
-        self.grid.any(point, self.radius, |i| {
-            if let Some(distance) = self.covers(i, point) {
-                near.offer(i, distance, self.items[i as usize].locked);
-            }
-            false
-        });
-        near
-    }
-
-    /// The distance of a point to a triangle that may cover it.
-    fn covers(&self, index: u32, point: Vec3) -> Option<f32> {
-        let item = &self.items[index as usize];
-        let gap = (item.bounds.min - point).max(point - item.bounds.max);
-        if gap.max_element() > self.radius || item.dead || item.unit == self.own {
-            return None;
-        }
-        let plane = item.normal.dot(point - item.triangle.corners[0]);
-        if plane.abs() > self.radius {
-            return None;
-        }
-        let distance = distance_to_triangle(point, item.triangle.corners);
-        (distance <= self.radius && (self.may)(item)).then_some(distance)
-    }
-}
-
-/// Triangles near a piece's first corner: locked ones first, then by area.
-struct Near {
-    candidates: [(u32, f32); Self::KEPT],
-    count: usize,
-    any: bool,
-}
-
-impl Near {
-    const KEPT: usize = 24;
-
-    fn offer(&mut self, index: u32, distance: f32, locked: bool) {
-        self.any = true;
-        if self.candidates[..self.count].iter().any(|c| c.0 == index) {
-            return;
-        }
-        if locked {
-            // Locked ones cost nothing more: to the front.
-            if self.count < Self::KEPT {
-                self.count += 1;
-            }
-            self.candidates[..self.count].rotate_right(1);
-            self.candidates[0] = (index, distance);
-        } else if self.count < Self::KEPT {
-            self.candidates[self.count] = (index, distance);
-            self.count += 1;
-        }
-    }
-
-    /// The first candidate that has the other two corners within reach too.
-    fn whole(&self, query: &Query, corners: [Vec3; 3]) -> Option<(u32, f32)> {
-        self.candidates[..self.count].iter().find_map(|&(i, first)| {
-            let item = &query.items[i as usize];
-            let second = distance_to_triangle(corners[1], item.triangle.corners);
-            if second > query.radius {
-                return None;
-            }
-            let third = distance_to_triangle(corners[2], item.triangle.corners);
-            (third <= query.radius).then_some((i, first.max(second).max(third)))
-        })
-    }
-}
-
-/// Triangles by the cells that their boxes touch.
-#[derive(Default)]
-struct Grid {
-    min: Vec3,
-    cell: f32,
-    counts: IVec3,
-    cells: Vec<Vec<u32>>,
-}
-
-impl Grid {
-    fn new(bounds: &Aabb, radius: f32) -> Self {
-        let size = bounds.size();
-        let cell = (2.0 * radius).max(size.max_element() / INDEX_CELLS).max(f32::MIN_POSITIVE);
-        let counts = (size / cell).as_ivec3() + IVec3::ONE;
-        let cells = vec![Vec::new(); counts.element_product() as usize];
-        Self { min: bounds.min, cell, counts, cells }
-    }
-
-    fn range(&self, min: Vec3, max: Vec3) -> (IVec3, IVec3) {
-        let last = self.counts - IVec3::ONE;
-        let place =
-            |p: Vec3| ((p - self.min) / self.cell).floor().as_ivec3().clamp(IVec3::ZERO, last);
-        (place(min), place(max))
-    }
-
-    fn slot(&self, x: i32, y: i32, z: i32) -> usize {
-        ((z * self.counts.y + y) * self.counts.x + x) as usize
-    }
-
-    fn insert(&mut self, index: u32, bounds: &Aabb) {
-        let (from, to) = self.range(bounds.min, bounds.max);
-        for z in from.z..=to.z {
-            for y in from.y..=to.y {
-                for x in from.x..=to.x {
-                    let slot = self.slot(x, y, z);
-                    self.cells[slot].push(index);
-                }
-            }
-        }
-    }
-
-    /// Whether `test` holds for any triangle whose box may be within `radius`; stops at the first.
-    fn any(&self, point: Vec3, radius: f32, mut test: impl FnMut(u32) -> bool) -> bool {
-        let (from, to) = self.range(point - radius, point + radius);
-        for z in from.z..=to.z {
-            for y in from.y..=to.y {
-                for x in from.x..=to.x {
-                    if self.cells[self.slot(x, y, z)].iter().any(|&i| test(i)) {
-                        return true;
-                    }
-                }
-            }
-        }
-        false
-    }
-}
-
-/// Distance from a point to a triangle (Ericson, "Real-Time Collision Detection", 5.1.5).
-pub(crate) fn distance_to_triangle(p: Vec3, [a, b, c]: [Vec3; 3]) -> f32 {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return ap.length();
-    }
-    let bp = p - b;
-    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
-    if d3 >= 0.0 && d4 <= d3 {
-        return bp.length();
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 > d3 {
-        return (ap - ab * (d1 / (d1 - d3))).length();
-    }
-    let cp = p - c;
-    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
-    if d6 >= 0.0 && d5 <= d6 {
-        return cp.length();
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 > d6 {
-        return (ap - ac * (d2 / (d2 - d6))).length();
-    }
-    let va = d3 * d6 - d5 * d4;
-    let (e1, e2) = (d4 - d3, d5 - d6);
-    if va <= 0.0 && e1 >= 0.0 && e2 >= 0.0 && e1 + e2 > 0.0 {
-        return (bp - (c - b) * (e1 / (e1 + e2))).length();
-    }
-    let sum = va + vb + vc;
-    if sum <= 0.0 {
-        // Degenerate in rounding: the nearest corner is an upper bound.
-        return ap.length().min(bp.length()).min(cp.length());
-    }
-    (ap - ab * (vb / sum) - ac * (vc / sum)).length()
 }
 
 #[cfg(test)]

@@ -5,8 +5,8 @@
 //! |---|---|---|
 //! | thresholds per level | `ladder` | H12, R4, R5, R9 |
 //! | who is merged | `hilbert`, `grouping` | H11, H14, H15 |
-//! | merged geometry and its certificate | `soup`, `parts`, `cover` | H5, H13, R10 |
-//! | colours of what is merged | `palette` | H13 |
+//! | merged geometry and its certificate | `soup`, `parts`, `cover`, `pieces` | H5, H13, R10 |
+//! | colours of what is merged | `palette`, `mixture` | H13 |
 //! | how far soups are apart, proved | `certify`, `bvh` | R10, R11 |
 //! | what may stand for what in time | `presence` | R11 |
 //! | the loop over levels | `build` | H4, H6, H7, H11, R2, R9 |
@@ -30,9 +30,11 @@ mod cover;
 mod grouping;
 mod hilbert;
 mod ladder;
+mod mixture;
 mod paint;
 mod palette;
 mod parts;
+mod pieces;
 mod presence;
 mod renumber;
 mod repair;

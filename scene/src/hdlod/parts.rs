@@ -1,6 +1,6 @@
 //! Connected parts of a soup, and the rectangle that may stand for a thin one.
 
-use super::cover::distance_to_triangle;
+use super::pieces::distance_to_triangle;
 use super::soup::Triangle;
 use crate::encode_normal;
 use glam::{Mat3, Vec2, Vec3};

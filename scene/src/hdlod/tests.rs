@@ -1,7 +1,7 @@
 //! The tree against brute force on small random scenes.
 #![allow(clippy::unwrap_used)]
 
-use super::cover::distance_to_triangle;
+use super::pieces::distance_to_triangle;
 use super::*;
 use crate::{
     BehaviourId, Element, Instance, Material, Mesh, MeshId, Model, Progress, Scene, View,
