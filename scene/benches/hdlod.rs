@@ -51,6 +51,13 @@ fn simplify_and_certify(c: &mut Criterion) {
         group.bench_function(BenchmarkId::from_parameter(budget_m), |b| {
             b.iter(|| soup.simplify(black_box(budget_m)).triangles());
         });
+        for (name, pairs) in [("edges", false), ("pairs", true)] {
+            let left = soup.contract(budget_m, pairs).triangles();
+            println!("  within {budget_m} m by contraction, {name}: {left} triangles");
+            group.bench_function(BenchmarkId::new(name, budget_m), |b| {
+                b.iter(|| soup.contract(black_box(budget_m), pairs).triangles());
+            });
+        }
         group.finish();
         let mut group = c.benchmark_group("certify");
         group.throughput(Throughput::Elements(soup.triangles() as u64));

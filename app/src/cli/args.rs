@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use std::str::FromStr;
 use topout_render::DrawMode;
 use topout_scene::NamedView;
-use topout_scene::hdlod::Temporal;
+use topout_scene::hdlod::{Simplifier, Temporal};
 use topout_schedule::Time;
 
 /// See a building on any day of its construction.
@@ -113,6 +113,10 @@ pub struct Common {
     /// What the tree promises: tight (exact in time) or the paper's own delta.
     #[arg(long, value_name = "RULE", default_value = "tight")]
     pub temporal: TemporalRule,
+
+    /// How the tree's geometry is simplified; edges and pairs are there to compare.
+    #[arg(long, value_name = "WAY", default_value = "covers")]
+    pub simplifier: SimplifierChoice,
 
     /// Also write one JSON object to this file; - is standard output.
     #[arg(long, value_name = "FILE")]
@@ -340,6 +344,27 @@ impl From<TemporalRule> for Temporal {
     }
 }
 
+/// How the tree's geometry is simplified.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum SimplifierChoice {
+    /// Certified covers, with contraction for smooth meshes.
+    Covers,
+    /// Quadric contraction of edges alone.
+    Edges,
+    /// Quadric contraction of edges and of vertices near each other.
+    Pairs,
+}
+
+impl From<SimplifierChoice> for Simplifier {
+    fn from(choice: SimplifierChoice) -> Self {
+        match choice {
+            SimplifierChoice::Covers => Self::Covers,
+            SimplifierChoice::Edges => Self::Edges,
+            SimplifierChoice::Pairs => Self::Pairs,
+        }
+    }
+}
+
 /// The share 1/n of the screen that the building covers.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Coverage {
@@ -464,6 +489,7 @@ mod tests {
         assert_eq!(args.common.size, UVec2::new(1280, 720));
         assert_eq!(args.common.tolerance, 1.0);
         assert_eq!(args.common.temporal, TemporalRule::Tight);
+        assert_eq!(args.common.simplifier, SimplifierChoice::Covers);
         assert_eq!(args.common.lod, None);
         assert_eq!(args.at, Time::parse_iso("2026-05-04T00:00:00").unwrap());
     }

@@ -138,7 +138,8 @@ pub fn bake(
     progress: &Arc<Progress>,
 ) -> anyhow::Result<Baked> {
     let _line = terminal::ProgressLine::show(progress);
-    let settings = hdlod::Settings { temporal: args.temporal.into() };
+    let settings =
+        hdlod::Settings { temporal: args.temporal.into(), simplifier: args.simplifier.into() };
     Ok(Baked::new(scene, &settings, &args.request(), cache, progress)?)
 }
 

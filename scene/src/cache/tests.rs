@@ -4,7 +4,7 @@
 use super::file::{self, read};
 use super::*;
 use crate::hdlod::tests::{built, scene};
-use crate::hdlod::{Node, Settings, Temporal, select};
+use crate::hdlod::{Node, Settings, Simplifier, Temporal, select};
 use crate::{BehaviourId, ElementId, Hdlod, Model, NamedView, Scene, View};
 use glam::UVec2;
 use proptest::prelude::*;
@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::time::{Duration, SystemTime};
 use topout_schedule::{Behaviour, Time};
 
-const TIGHT: Settings = Settings { temporal: Temporal::Tight };
+const TIGHT: Settings = Settings { temporal: Temporal::Tight, simplifier: Simplifier::Covers };
 
 /// What is changed, and how.
 type Change<'a, T> = (&'a str, &'a dyn Fn(&mut T));
@@ -86,7 +86,7 @@ proptest! {
     fn what_is_kept_comes_back(scene in scene(), paper in any::<bool>()) {
         let temporal = if paper { Temporal::Paper } else { Temporal::Tight };
         let tree = built(&scene, temporal);
-        let key = Key::of(&scene, &Settings { temporal });
+        let key = Key::of(&scene, &Settings { temporal, ..TIGHT });
         let (_folder, cache) = cache(u64::MAX);
         prop_assert!(found(&cache, &key, &scene).is_none());
         let info = Info { project: "yard".into(), ..Info::default() };
@@ -108,7 +108,7 @@ fn the_key_depends_on_what_the_tree_depends_on_and_on_nothing_else() {
     model(&mut renamed).elements[0].name = "another".into();
     model(&mut renamed).materials[0].name = "another".into();
     assert_eq!(key, Key::of(&renamed, &TIGHT));
-    assert_ne!(key, Key::of(&scene, &Settings { temporal: Temporal::Paper }));
+    assert_ne!(key, Key::of(&scene, &Settings { temporal: Temporal::Paper, ..TIGHT }));
 
     let changes: [Change<Scene>; 12] = [
         ("vertex", &|s| model(s).meshes[1].vertices[3].position[0] += 1e-3),
@@ -332,7 +332,7 @@ fn few_schedules_of_one_model_are_kept() {
     let (other, other_tree) = &projects[1];
     let other_key = keep(other, other_tree, 0);
     let (scene, tree) = &projects[0];
-    let paper = Key::of(scene, &Settings { temporal: Temporal::Paper });
+    let paper = Key::of(scene, &Settings { temporal: Temporal::Paper, ..TIGHT });
     cache.keep(&paper, &Info::default(), tree).unwrap();
     let edited = |days: u64| {
         let mut scene = scene.clone();

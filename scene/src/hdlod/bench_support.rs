@@ -1,6 +1,7 @@
 //! Doors to the parts of HDLOD for `benches/`: not part of the interface.
 
 use super::certify::{self, Limits};
+use super::contract::{self, Joins};
 use super::cover;
 use super::grouping;
 use super::palette::Palette;
@@ -49,6 +50,15 @@ impl<'a> Soup<'a> {
         let never = Progress::default();
         let simplified =
             cover::simplify(&self.triangles, budget_m, &self.presence, &self.palette, &never);
+        Simplified(simplified.expect("nobody cancels"))
+    }
+
+    /// Within a budget in metres by contraction alone: of edges, or of vertex pairs too.
+    pub fn contract(&self, budget_m: f32, pairs: bool) -> Simplified {
+        let never = Progress::default();
+        let joins = if pairs { Joins::Pairs } else { Joins::Edges };
+        let simplified =
+            contract::simplify(&self.triangles, budget_m, joins, &self.presence, &never);
         Simplified(simplified.expect("nobody cancels"))
     }
 

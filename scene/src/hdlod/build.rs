@@ -1,6 +1,7 @@
 //! Generation (Fig. 5; H11 to H15, R9): level by level, bottom-up.
 
 use super::certify::{self, Limits};
+use super::contract::{self, Joins};
 use super::cover::{Simplified, simplify};
 use super::grouping::group;
 use super::ladder::Ladder;
@@ -8,7 +9,7 @@ use super::palette::Palette;
 use super::presence::{PresenceTable, presence_weight};
 use super::restate::Pair;
 use super::soup::{Geometry, Triangle, append_instance};
-use super::{Cluster, Hdlod, LevelStats, MAX_STEPS, Node, Settings, Temporal};
+use super::{Cluster, Hdlod, LevelStats, MAX_STEPS, Node, Settings, Simplifier, Temporal};
 use crate::{Aabb, Cancelled, ElementId, Progress, Scene};
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -73,7 +74,26 @@ struct Ground<'a> {
     presence: PresenceTable<'a>,
     palette: Palette,
     temporal: Temporal,
+    simplifier: Simplifier,
     ladder: Ladder,
+}
+
+impl Ground<'_> {
+    fn simplify(
+        &self,
+        source: &[Triangle],
+        budget_m: f32,
+        progress: &Progress,
+    ) -> Result<Simplified, Cancelled> {
+        let joins = match self.simplifier {
+            Simplifier::Covers => {
+                return simplify(source, budget_m, &self.presence, &self.palette, progress);
+            }
+            Simplifier::Edges => Joins::Edges,
+            Simplifier::Pairs => Joins::Pairs,
+        };
+        contract::simplify(source, budget_m, joins, &self.presence, progress)
+    }
 }
 
 /// Builds the tree on the calling thread and rayon's pool. The result does not depend on the
@@ -92,6 +112,7 @@ pub fn build(scene: &Scene, settings: &Settings, progress: &Progress) -> Result<
         presence: PresenceTable::new(&scene.behaviours, settings.temporal == Temporal::Tight),
         palette: Palette::new(&scene.model.materials),
         temporal: settings.temporal,
+        simplifier: settings.simplifier,
         ladder: Ladder::new(total_bounds.diameter(), sizes, events.len(), scene.schedule.period),
     };
 
@@ -267,7 +288,7 @@ fn merge(
         gather(ground, drafts, child, limit * SOURCE_SHARE, &mut source, &mut below);
     }
     let budget = limit - below.covered_eps;
-    let simplified = simplify(&source, budget, &ground.presence, &ground.palette, progress)?;
+    let simplified = ground.simplify(&source, budget, progress)?;
     let before: usize = members().map(|d| d.triangles).sum();
     let after = simplified.triangles.len();
     let worthwhile = after as f32 <= before as f32 * WORTHWHILE;

@@ -17,17 +17,24 @@
 //!    of it. The kept triangle must be present whenever the source is; it is locked and stays, unless
 //!    in the end all that it covers finds other covers.
 //!
-//! Every kept point is within `s` (snapped) or `e` (flattened) of its own source, and every source
-//! point within `s` or `e` of something kept that is present whenever the source is. So
-//! D_H <= max(s, e) at every date; the largest figure that occurred is returned.
+//! A part that is a smooth mesh is contracted instead of snapped ([`super::contract`]), at a proved
+//! distance `c` both ways from its source. Its new triangles are sources from then on, covered within
+//! `e - c`.
+//!
+//! Every kept point is within `s` (snapped), `e` (flattened) or `c` (contracted) of its own source, and
+//! every source point within `s` or `e` of something kept that is present whenever the source is, or
+//! within `c` of a point of the contracted part, of the same behaviour, and that one kept or within
+//! `e - c` of something kept. So D_H <= max(s, e, c) at every date; the largest figure that occurred,
+//! `c` and what came after it added, is returned.
 //!
 //! The certificate is one of shape. That the picture keeps its colours is a matter of which covers
 //! are allowed, see [`DISTINCT_HEIGHT`] and [`Palette::alike`], and of the colours that go over to them,
 //! see [`SLIM_HEIGHT`].
 
+use super::contract::{self, Aim, Joins};
 use super::mixture::{Mixed, even_out};
 use super::palette::Palette;
-use super::parts::{self, Flat, FlatLimits};
+use super::parts::{self, Flat, FlatLimits, on_grid};
 use super::pieces::{Grid, Query, SUBDIVISIONS};
 use super::presence::PresenceTable;
 use super::restate::Pair;
@@ -59,6 +66,9 @@ const SLIM_HEIGHT: f32 = 1.25;
 /// panels were left to the edges of the slabs behind them is open.
 pub(super) const PARALLEL: f32 = 0.7;
 
+/// Where the grid leaves no more triangles than this of a smooth mesh it is not contracted.
+const FEW_TRIANGLES: usize = 16;
+
 /// A simplified soup and how far it is from its source, in metres, at any date, both ways.
 pub(crate) struct Simplified {
     pub triangles: Vec<Triangle>,
@@ -86,7 +96,7 @@ pub(crate) fn simplify(
     }
 
     let cover_m = budget_m - 2.0 * slack;
-    let mut work = Work::snapped(source, snap_m, cover_m, palette, progress)?;
+    let mut work = Work::snapped(source, snap_m, cover_m, presence, palette, progress)?;
     work.index(cover_m);
     work.delete_collapsed(cover_m, presence, palette, progress)?;
     work.delete_covered(cover_m, presence, palette, progress)?;
@@ -109,6 +119,8 @@ pub(super) struct Item {
     pub unit: u32,
     /// In the middle of a thin part: it has no side.
     pub flat: bool,
+    /// How far its source, a triangle of a contracted part, is from the part's own triangles.
+    pub spent_m: f32,
     /// What it took the place of.
     pub mixed: Mixed,
     pub dead: bool,
@@ -140,6 +152,7 @@ impl Item {
             sources,
             unit,
             flat: false,
+            spent_m: 0.0,
             mixed: Mixed::default(),
             dead: false,
             locked: false,
@@ -193,6 +206,15 @@ struct Gone {
     sources: Range<u32>,
     unit: u32,
     rule: Rule,
+    /// See [`Item::spent_m`]: it is taken off the radius.
+    spent_m: f32,
+}
+
+impl Gone {
+    fn item(item: &Item, radius: f32) -> Self {
+        let rule = Rule::of(item, radius);
+        Self { sources: item.sources.clone(), unit: item.unit, rule, spent_m: item.spent_m }
+    }
 }
 
 /// The items that cover something, each once, and how far they are at most.
@@ -222,6 +244,7 @@ impl Work {
         source: &[Triangle],
         snap_m: f32,
         cover_m: f32,
+        presence: &PresenceTable,
         palette: &Palette,
         progress: &Progress,
     ) -> Result<Self, Cancelled> {
@@ -265,27 +288,59 @@ impl Work {
                     }
                     work.collapsed.extend(rest.iter().map(|place| first + place));
                 }
+                None if work.contract(first, cell, cover_m, presence, progress)? => {}
                 None => range.for_each(|place| work.snap(place, cell, cover_m)),
             }
         }
         Ok(work)
     }
 
+    /// Contracts the part whose sources start at `first` if it is a smooth mesh and less is left of it
+    /// than the grid leaves. What is left are sources of their own, closer to which they must stay.
+    fn contract(
+        &mut self,
+        first: u32,
+        cell: f32,
+        cover_m: f32,
+        presence: &PresenceTable,
+        progress: &Progress,
+    ) -> Result<bool, Cancelled> {
+        let part = &self.sources[first as usize..];
+        if !contract::is_smooth(part) {
+            return Ok(false);
+        }
+        let stays = |t: &&Triangle| on_grid(t, cell, DISTINCT_HEIGHT * cover_m).is_some();
+        let on_grid = part.iter().filter(stays).count();
+        if on_grid <= FEW_TRIANGLES {
+            return Ok(false);
+        }
+        let aim = Aim {
+            budget_m: cover_m,
+            joins: Joins::Edges,
+            fewer_than: on_grid,
+            tries: 1,
+            retries: 1,
+        };
+        let Some(found) = contract::contract(part, aim, presence, progress)? else {
+            return Ok(false);
+        };
+        self.distance_m = self.distance_m.max(found.distance_m);
+        self.sources.truncate(first as usize);
+        for (place, triangle) in (first..).zip(found.triangles) {
+            self.sources.push(triangle);
+            let item = Item::new(triangle, place..place + 1, place);
+            self.items.push(Item { spent_m: found.distance_m, ..item });
+        }
+        Ok(true)
+    }
+
     fn snap(&mut self, place: u32, cell: f32, cover_m: f32) {
         let original = self.sources[place as usize];
         let own = place..place + 1;
-        if original.height() > DISTINCT_HEIGHT * cover_m {
-            self.items.push(Item::new(original, own, place));
-            return;
-        }
-        let mut triangle = original;
-        // The grid is the same for all clusters, so neighbours meet where they met.
-        triangle.corners = original.corners.map(|c| ((c / cell).floor() + 0.5) * cell);
-        // Corners on a grid: either the height is of the order of a cell or it is rounding.
-        if triangle.height() <= cell * 1e-2 {
+        let Some(triangle) = on_grid(&original, cell, DISTINCT_HEIGHT * cover_m) else {
             self.collapsed.push(place);
             return;
-        }
+        };
         for (snapped, corner) in triangle.corners.iter().zip(original.corners) {
             self.distance_m = self.distance_m.max(snapped.distance(corner));
         }
@@ -318,7 +373,7 @@ impl Work {
             progress.check()?;
             let original = self.sources[place as usize];
             let rule = Rule::collapsed(&original);
-            let gone = Gone { sources: place..place + 1, unit: place, rule };
+            let gone = Gone { sources: place..place + 1, unit: place, rule, spent_m: 0.0 };
             if let Some(cover) = self.find(&gone, radius, presence, palette) {
                 self.lock(&gone, &cover);
                 self.gone.push((gone, cover.by));
@@ -347,13 +402,12 @@ impl Work {
             if item.locked || item.dead || twin.is_some_and(|t| self.items[t].locked) {
                 continue;
             }
-            let rule = Rule::of(item, radius);
-            let gone = Gone { sources: item.sources.clone(), unit: item.unit, rule };
+            let gone = Gone::item(item, radius);
             let Some(cover) = self.find(&gone, radius, presence, palette) else { continue };
             for part in [Some(i), twin].into_iter().flatten() {
                 self.items[part].dead = true;
             }
-            if rule.any_color {
+            if gone.rule.any_color {
                 self.mix(i, twin.is_some(), &cover.by, palette);
             }
             self.lock(&gone, &cover);
@@ -386,8 +440,7 @@ impl Work {
             if item.dead || !first || !self.items[unit.clone()].iter().any(|part| part.locked) {
                 continue;
             }
-            let rule = Rule::of(item, radius);
-            let gone = Gone { sources: item.sources.clone(), unit: item.unit, rule };
+            let gone = Gone::item(item, radius);
             self.items[unit.clone()].iter_mut().for_each(|part| part.dead = true);
             let found = self.find(&gone, radius, presence, palette).and_then(|own| {
                 let mut others: Vec<usize> = leaning[unit.clone()].concat();
@@ -403,7 +456,7 @@ impl Work {
                 self.items[unit].iter_mut().for_each(|part| part.dead = false);
                 continue;
             };
-            if rule.any_color {
+            if gone.rule.any_color {
                 self.mix(i, unit.count() == 2, &own.by, palette);
             }
             own.by.iter().for_each(|&c| leaning[c as usize].push(self.gone.len()));
@@ -426,7 +479,7 @@ impl Work {
         presence: &PresenceTable,
         palette: &Palette,
     ) -> Option<Cover> {
-        let Gone { sources, unit, rule } = gone;
+        let Gone { sources, unit, rule, spent_m } = gone;
         // What lies the same way takes the colour in, so it is asked first.
         let ways = if rule.line {
             [Some(true), None]
@@ -439,7 +492,7 @@ impl Work {
                 items: &self.items,
                 grid: &self.grid,
                 own: *unit,
-                radius,
+                radius: radius - spent_m,
                 may: &may,
                 found: Vec::new(),
                 worst: 0.0,
@@ -448,7 +501,7 @@ impl Work {
             let covered = sources
                 .iter()
                 .all(|s| query.reaches_middle(s.corners) && query.piece(s.corners, SUBDIVISIONS));
-            covered.then_some(Cover { by: query.found, distance_m: query.worst })
+            covered.then_some(Cover { by: query.found, distance_m: query.worst + spent_m })
         })
     }
 

@@ -5,7 +5,7 @@
 //! |---|---|---|
 //! | thresholds per level | `ladder` | H12, R4, R5, R9 |
 //! | who is merged | `hilbert`, `grouping` | H11, H14, H15 |
-//! | merged geometry and its certificate | `soup`, `parts`, `cover`, `pieces` | H5, H13, R10 |
+//! | merged geometry and its certificate | `soup`, `parts`, `cover`, `pieces`, `contract` | H5, H13, R10 |
 //! | colours of what is merged | `palette`, `mixture` | H13 |
 //! | how far soups are apart, proved | `certify`, `bvh` | R10, R11 |
 //! | what may stand for what in time | `presence` | R11 |
@@ -26,6 +26,7 @@ pub mod bench_support;
 mod build;
 mod bvh;
 mod certify;
+mod contract;
 mod cover;
 mod grouping;
 mod hilbert;
@@ -63,7 +64,7 @@ use topout_schedule::{BoundedStep, TimeRange};
 
 /// Counts up whenever [`build`] gives another tree for the same scene and settings: trees that an
 /// earlier version left in the cache are then built anew.
-pub const ALGORITHM: u32 = 5;
+pub const ALGORITHM: u32 = 6;
 
 /// Which promise a tree makes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
@@ -75,11 +76,27 @@ pub enum Temporal {
     Paper,
 }
 
+/// How merged geometry is simplified (H13).
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
+pub enum Simplifier {
+    /// Certified covers, with contraction for smooth meshes.
+    #[default]
+    Covers,
+    /// Quadric contraction of edges alone, part by part. To compare.
+    Edges,
+    /// Quadric contraction of edges and of vertices near each other, within all that has one
+    /// behaviour, material and layer. To compare.
+    Pairs,
+}
+
 /// What a build depends on besides the scene.
 #[derive(Clone, Copy, PartialEq, Debug, Default, Serialize)]
 pub struct Settings {
     /// Which promise is made.
     pub temporal: Temporal,
+    /// How merged geometry is simplified. A tree that was built with another one than covers is
+    /// repaired with covers.
+    pub simplifier: Simplifier,
 }
 
 /// A node of the tree.

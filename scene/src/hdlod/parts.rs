@@ -55,6 +55,19 @@ fn root(parent: &mut [u32], mut i: u32) -> u32 {
     i
 }
 
+/// A triangle with its corners on a grid; itself where it is higher than `distinct_m`, `None` where no
+/// area is left.
+pub(crate) fn on_grid(original: &Triangle, cell: f32, distinct_m: f32) -> Option<Triangle> {
+    if original.height() > distinct_m {
+        return Some(*original);
+    }
+    // The grid is the same for all clusters, so neighbours meet where they met.
+    let corners = original.corners.map(|c| ((c / cell).floor() + 0.5) * cell);
+    let triangle = Triangle { corners, ..*original };
+    // Corners on a grid: either the height is of the order of a cell or it is rounding.
+    (triangle.height() > cell * 1e-2).then_some(triangle)
+}
+
 /// What may stand for a thin part.
 pub(crate) enum Flat {
     /// A rectangle for all of it.

@@ -28,7 +28,8 @@ impl Hdlod {
     /// Only when `progress` is cancelled.
     pub fn repair(&self, scene: &Scene, progress: &Progress) -> Result<Hdlod, Cancelled> {
         if self.temporal == Temporal::Paper {
-            return build(scene, &Settings { temporal: Temporal::Paper }, progress);
+            let settings = Settings { temporal: Temporal::Paper, ..Settings::default() };
+            return build(scene, &settings, progress);
         }
         let work = Work {
             hdlod: self,

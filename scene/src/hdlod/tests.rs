@@ -139,7 +139,7 @@ pub(crate) fn scene() -> impl Strategy<Value = Scene> {
 }
 
 pub(crate) fn built(scene: &Scene, temporal: Temporal) -> Hdlod {
-    build(scene, &Settings { temporal }, &Progress::default()).unwrap()
+    build(scene, &Settings { temporal, ..Settings::default() }, &Progress::default()).unwrap()
 }
 
 pub(crate) fn leaves_below(hdlod: &Hdlod, node: Node, out: &mut Vec<ElementId>) {
