@@ -62,6 +62,10 @@ impl Limits<'_> {
     }
 }
 
+/// Soups with more triangles are measured both ways at once: the first way would spare the second
+/// some work, but few of them are left at a time.
+const LARGE: usize = 4096;
+
 /// Bounds of a distance in metres.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) struct Distance {
@@ -93,9 +97,15 @@ pub(crate) fn distance_between(
     limits: Limits,
 ) -> Distance {
     let mut search = Search::new(limits);
-    for (from, to) in [(a.0, b.1), (b.0, a.1)] {
+    if a.0.len().max(b.0.len()) > LARGE {
+        let mut back = Search::new(limits);
+        rayon::join(|| search.one_way(a.0, b.1, presence), || back.one_way(b.0, a.1, presence));
+        search.lower = search.lower.max(back.lower);
+        search.upper = search.upper.max(back.upper);
+    } else {
+        search.one_way(a.0, b.1, presence);
         if !search.given_up() {
-            search.one_way(from, to, presence);
+            search.one_way(b.0, a.1, presence);
         }
     }
     let corners = a.0.iter().chain(b.0).flat_map(|t| t.corners);
