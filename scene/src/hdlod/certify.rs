@@ -30,6 +30,9 @@ use std::collections::BinaryHeap;
 const HALVINGS_PER_TRIANGLE: usize = 64;
 const HALVINGS: usize = 20_000;
 
+/// Pieces between two questions whether the work was cancelled: some milliseconds.
+const LOOKS_UP_EVERY: usize = 64;
+
 /// Pieces shorter than this share of the distance are not halved: it would gain less than that.
 const FINEST: f64 = 1e-3;
 
@@ -175,7 +178,7 @@ impl<'a> Search<'a> {
 
     fn one_way(&mut self, from: &[Triangle], to: &SoupTree, presence: &PresenceTable) {
         for (source, triangle) in from.iter().enumerate() {
-            if source.is_multiple_of(256) && self.cancelled() {
+            if source.is_multiple_of(LOOKS_UP_EVERY) && self.cancelled() {
                 self.upper = f64::INFINITY;
                 return;
             }
@@ -195,7 +198,7 @@ impl<'a> Search<'a> {
             let done = piece.upper <= self.enough()
                 || halvings == 0
                 || self.given_up()
-                || (halvings.is_multiple_of(256) && self.cancelled());
+                || (halvings.is_multiple_of(LOOKS_UP_EVERY) && self.cancelled());
             if done {
                 // The largest of those left.
                 self.upper = self.upper.max(piece.upper);

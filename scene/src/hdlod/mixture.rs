@@ -19,7 +19,7 @@ pub(super) struct Mixed {
 }
 
 impl Mixed {
-    pub fn add(&mut self, palette: &Palette, material: u16, area: f32) {
+    fn add(&mut self, palette: &Palette, material: u16, area: f32) {
         let opacity = palette.opacity(material);
         self.color += palette.color(material) * (opacity * area);
         self.opacity += opacity * area;
@@ -38,18 +38,21 @@ impl Mixed {
         Self { color: self.color * share, opacity: self.opacity * share, area: self.area * share }
     }
 
-    /// The material of a surface with all this on it or beside it. What lies on it hides it, what
-    /// lies beside it adds to it; either way some of it is left.
-    pub fn over(mut self, palette: &Palette, material: u16, area: f32) -> u16 {
+    /// What a surface looks like with all this on it or beside it. What lies on it hides it, what lies
+    /// beside it adds to it; either way some of it is left.
+    pub fn on(mut self, palette: &Palette, material: u16, area: f32) -> Self {
+        self.add(palette, material, (area - self.area).max(area * OWN_SHARE));
+        self
+    }
+
+    /// The material that looks like [`Self::on`].
+    pub fn over(self, palette: &Palette, material: u16, area: f32) -> u16 {
         if self.area == 0.0 {
             return material;
         }
-        self.add(palette, material, (area - self.area).max(area * OWN_SHARE));
-        palette.blend(
-            material,
-            self.color / self.opacity.max(f32::MIN_POSITIVE),
-            self.opacity / self.area,
-        )
+        let seen = self.on(palette, material, area);
+        let color = seen.color / seen.opacity.max(f32::MIN_POSITIVE);
+        palette.blend(material, color, seen.opacity / seen.area)
     }
 }
 
