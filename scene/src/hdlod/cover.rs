@@ -255,11 +255,7 @@ struct Work<'a> {
 impl<'a> Work<'a> {
     /// Flattens thin parts, moves the corners of the others by at most `snap_m` and sets aside
     /// what lost its area by that.
-    fn snapped(
-        source: &[Triangle],
-        snap_m: f32,
-        task: Task<'a>,
-    ) -> Result<Self, Cancelled> {
+    fn snapped(source: &[Triangle], snap_m: f32, task: Task<'a>) -> Result<Self, Cancelled> {
         let Task { cover_m, palette, progress, .. } = task;
         // A point of a cube is at most half the diagonal from its centre.
         let cell = 2.0 * snap_m / 3f32.sqrt();
@@ -438,9 +434,7 @@ impl<'a> Work<'a> {
                 others.retain(|&g| self.gone[g].1.iter().any(|&c| unit.contains(&(c as usize))));
                 others.sort_unstable();
                 others.dedup();
-                let covers = others
-                    .into_iter()
-                    .map(|g| Some((g, self.find(&self.gone[g].0)?)));
+                let covers = others.into_iter().map(|g| Some((g, self.find(&self.gone[g].0)?)));
                 Some((own, covers.collect::<Option<Vec<_>>>()?))
             });
             let Some((own, others)) = found else {
