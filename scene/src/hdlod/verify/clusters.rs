@@ -406,7 +406,7 @@ impl<'a> Check<'a> {
         for &id in &self.leaves {
             geometry::element(self.scene, id, &mut items);
         }
-        let exact = Tree::new(items);
+        let exact = Tree::new(items, progress)?;
         let reach = exact.items().iter().flat_map(|i| i.corners);
         let reach = reach.fold(0f32, |m, c| m.max(c.abs().max_element()));
         let allowed = f64::from(self.cluster.eps + reach * COORDINATE_ROUNDING);
@@ -425,7 +425,7 @@ impl<'a> Check<'a> {
                     };
                     geometry::span(self.hdlod, &span, 0, &mut drawn);
                 }
-                self.compare(&exact, &all, drawn, "the whole period", &mut worst);
+                self.compare(&exact, &all, drawn, "the whole period", &mut worst, progress)?;
             }
             Temporal::Tight => {
                 for &time in dates {
@@ -440,7 +440,7 @@ impl<'a> Check<'a> {
                             geometry::span(hdlod, &span, 0, &mut drawn);
                         });
                     }
-                    self.compare(&exact, &there, drawn, &time.to_string(), &mut worst);
+                    self.compare(&exact, &there, drawn, &time.to_string(), &mut worst, progress)?;
                 }
             }
         }
@@ -463,8 +463,9 @@ impl<'a> Check<'a> {
         drawn: Vec<Item>,
         when: &str,
         worst: &mut (f64, String),
-    ) {
-        let drawn = Tree::new(drawn);
+        progress: &Progress,
+    ) -> Result<(), Cancelled> {
+        let drawn = Tree::new(drawn, progress)?;
         let present = exact.present(there);
         let shown = drawn.present(&[true]);
         let leaves: Vec<&Item> = exact.items().iter().filter(|i| there[i.tag as usize]).collect();
@@ -481,6 +482,7 @@ impl<'a> Check<'a> {
             &format!("from something drawn to what is present, {when}"),
             worst,
         );
+        Ok(())
     }
 
     fn one_way(&mut self, from: &[&Item], to: &Present, what: &str, worst: &mut (f64, String)) {

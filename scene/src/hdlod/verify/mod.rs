@@ -66,8 +66,8 @@ impl Plan {
     pub fn full(size: UVec2, tolerance_px: f32) -> Self {
         Self {
             clusters: usize::MAX,
-            cluster_points: 20_000,
-            cluster_dates: 6,
+            cluster_points: 6000,
+            cluster_dates: 4,
             stride: 1,
             ..Self::sample(size, tolerance_px)
         }

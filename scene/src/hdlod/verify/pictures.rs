@@ -26,9 +26,12 @@ pub(super) fn check(
     progress.begin("verify: full detail", 0)?;
     let mut items = Vec::with_capacity(scene.model.triangle_count());
     for i in 0..scene.model.elements.len() as u32 {
+        if i.is_multiple_of(1024) {
+            progress.check()?;
+        }
         geometry::element(scene, ElementId(i), &mut items);
     }
-    let full = Tree::new(items);
+    let full = Tree::new(items, progress)?;
     let (views, dates) = (views(scene, plan), dates(scene, plan));
     let rows: u64 = views.iter().map(|v| u64::from(v.1.size.y.div_ceil(plan.stride))).sum();
     progress.begin("verify: pictures", rows * dates.len() as u64)?;
@@ -36,7 +39,7 @@ pub(super) fn check(
         let there: Vec<bool> = scene.behaviours.iter().map(|b| b.at(time)).collect();
         let exact = full.present(&there);
         for (name, view) in &views {
-            let picture = Picture::new(scene, hdlod, plan, view, time, &exact);
+            let picture = Picture::new(scene, hdlod, plan, view, time, &exact, progress)?;
             picture.check(&format!("{name} at {time}"), progress, report)?;
         }
     }
@@ -85,7 +88,8 @@ impl<'a> Picture<'a> {
         view: &'a View,
         time: Time,
         exact: &'a Present<'a>,
-    ) -> Self {
+        progress: &Progress,
+    ) -> Result<Self, Cancelled> {
         let selection = select(scene, hdlod, view, time);
         let mut items: Vec<Item> = Vec::with_capacity(selection.triangles as usize);
         for &id in &selection.elements {
@@ -101,8 +105,8 @@ impl<'a> Picture<'a> {
         let reach = bounds.corners().map(|c| c.distance(view.eye));
         let reach = reach.into_iter().fold(0f32, f32::max);
         let reach = if reach.is_finite() { f64::from(reach) } else { 1.0 };
-        let (drawn, camera) = (Tree::new(items), Camera::new(view, reach));
-        Self { scene, hdlod, view, stride: plan.stride, exact, selection, drawn, camera }
+        let (drawn, camera) = (Tree::new(items, progress)?, Camera::new(view, reach));
+        Ok(Self { scene, hdlod, view, stride: plan.stride, exact, selection, drawn, camera })
     }
 
     fn check(&self, name: &str, progress: &Progress, report: &mut Report) -> Result<(), Cancelled> {

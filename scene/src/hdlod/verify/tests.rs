@@ -50,7 +50,7 @@ proptest! {
             Item { corners, owner: i as u32, tag: i as u32 % 3, glass: i % 5 == 0 }
         }).collect();
         let there = [true, false, true];
-        let tree = Tree::new(items.clone());
+        let tree = Tree::new(items.clone(), &Progress::default()).unwrap();
         let present = tree.present(&there);
         let kept = || items.iter().filter(|i| there[i.tag as usize]);
         let (origin, direction) = (origin.as_dvec3(), (target - origin).as_dvec3());
@@ -66,7 +66,7 @@ proptest! {
         let mut seen = Vec::new();
         present.seen(origin, direction, 0.0, &mut seen);
         let lone: Vec<(f64, bool)> = kept().filter_map(|i| {
-            let one = Tree::new(vec![Item { tag: 0, ..*i }]);
+            let one = Tree::new(vec![Item { tag: 0, ..*i }], &Progress::default()).unwrap();
             let mut met = Vec::new();
             one.present(&[true]).seen(origin, direction, 0.0, &mut met);
             met.first().map(|m| (m.along, i.glass))

@@ -3,7 +3,7 @@
 //! Written apart from what the builder measures with, so that a mistake there is not made here too.
 //! The depth is the same everywhere: a subtree of depth d takes 2^(d + 1) - 1 nodes.
 
-use crate::Aabb;
+use crate::{Aabb, Cancelled, Progress};
 use glam::{DVec3, Vec3};
 
 /// Most triangles in a leaf.
@@ -43,16 +43,18 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    pub fn new(mut items: Vec<Item>) -> Self {
+    /// Sorts triangles into a tree; O(n log n). Looks up now and then whether it was cancelled.
+    pub fn new(mut items: Vec<Item>, progress: &Progress) -> Result<Self, Cancelled> {
         let mut depth = 0;
         while items.len().div_ceil(1 << depth) > LEAF {
             depth += 1;
         }
         let mut nodes = vec![BLANK; if items.is_empty() { 0 } else { (2 << depth) - 1 }];
         if !items.is_empty() {
-            split(&mut items, 0, depth, &mut nodes, 0);
+            split(&mut items, 0, depth, &mut nodes, 0, progress);
         }
-        Self { nodes, items }
+        progress.check()?;
+        Ok(Self { nodes, items })
     }
 
     pub fn items(&self) -> &[Item] {
@@ -75,7 +77,19 @@ impl Tree {
     }
 }
 
-fn split(items: &mut [Item], first: u32, depth: u32, nodes: &mut [Node], index: u32) {
+/// Leaves off in the middle when cancelled.
+fn split(
+    items: &mut [Item],
+    first: u32,
+    depth: u32,
+    nodes: &mut [Node],
+    index: u32,
+    progress: &Progress,
+) {
+    let parallel = items.len() > PARALLEL;
+    if parallel && progress.check().is_err() {
+        return;
+    }
     let bounds = Aabb::of_points(items.iter().flat_map(|i| i.corners));
     nodes[0] = Node { min: bounds.min, max: bounds.max, at: first, count: items.len() as u32 };
     if depth == 0 {
@@ -90,11 +104,10 @@ fn split(items: &mut [Item], first: u32, depth: u32, nodes: &mut [Node], index: 
     let left_nodes = (1usize << depth) - 1;
     let right = index + 1 + left_nodes as u32;
     (nodes[0].at, nodes[0].count) = (right, 0);
-    let parallel = items.len() > PARALLEL;
     let (low, high) = items.split_at_mut(half);
     let (left, rest) = nodes[1..].split_at_mut(left_nodes);
-    let mut build_left = || split(low, first, depth - 1, left, index + 1);
-    let mut build_right = || split(high, first + half as u32, depth - 1, rest, right);
+    let mut build_left = || split(low, first, depth - 1, left, index + 1, progress);
+    let mut build_right = || split(high, first + half as u32, depth - 1, rest, right, progress);
     if parallel {
         rayon::join(build_left, build_right);
     } else {
