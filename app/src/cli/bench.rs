@@ -57,7 +57,9 @@ pub fn run(args: &args::Bench) -> anyhow::Result<Outcome> {
         (empty_ms, measure_all(&mut stage, &cells(&modes), &plan, &progress)?)
     };
     let (bake_seconds, cache_hit) = (stage.bake_seconds(), stage.cache_hit());
+    // Before the other tree, which only this comparison needs.
     let gpu_mb = rounded(stage.renderer.gpu_bytes() as f64 / 1e6, 1);
+    let rss_mb = rss_mb();
     let temporal = match common.lod {
         Some(_) => Vec::new(),
         None => both_rules(&mut stage, args, &cells, &plan, &progress)?,
@@ -74,7 +76,7 @@ pub fn run(args: &args::Bench) -> anyhow::Result<Outcome> {
         bake_seconds,
         cache_hit,
         empty_ms,
-        rss_mb: rss_mb(),
+        rss_mb,
         gpu_mb,
         cells,
         temporal,
