@@ -30,7 +30,7 @@ use std::collections::BinaryHeap;
 const HALVINGS_PER_TRIANGLE: usize = 64;
 const HALVINGS: usize = 20_000;
 
-/// Pieces between two questions whether the work was cancelled: some milliseconds.
+/// Pieces between two questions whether the work was cancelled.
 const LOOKS_UP_EVERY: usize = 64;
 
 /// Pieces shorter than this share of the distance are not halved: it would gain less than that.
