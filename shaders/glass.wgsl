@@ -8,10 +8,18 @@ struct GlassOut {
 
 @vertex
 fn glass_vertex(in: VertexIn) -> GlassOut {
-    let placed = place(in);
+    return lit(place(in), in.packed >> 16u);
+}
+
+@vertex
+fn glass_fixed_vertex(in: FixedIn) -> GlassOut {
+    return lit(place_fixed(in), in.packed >> 16u);
+}
+
+fn lit(placed: Placed, material: u32) -> GlassOut {
     let view = placed.to_eye;
     let normal = placed.normal;
-    let m = materials[in.packed >> 16u];
+    let m = materials[material];
     let n_eye = clamp(dot(normal, view), 0.0, 1.0);
     let graze = 1.0 - n_eye;
     let graze2 = graze * graze;

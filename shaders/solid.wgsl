@@ -6,13 +6,34 @@ struct SolidOut {
     @location(0) color: vec3<f32>,
 }
 
-@vertex
-fn solid_vertex(in: VertexIn) -> SolidOut {
-    let placed = place(in);
-    let m = materials[in.packed >> 16u];
+fn lit(placed: Placed, material: u32) -> SolidOut {
+    let m = materials[material];
     let surface = Surface(m.color.rgb, m.roughness, m.metallic);
     let color = shade(surface, placed.normal, placed.to_eye, placed.height);
     return SolidOut(placed.clip, display(color, length(placed.from_eye)));
+}
+
+@vertex
+fn solid_vertex(in: VertexIn) -> SolidOut {
+    return lit(place(in), in.packed >> 16u);
+}
+
+@vertex
+fn solid_fixed_vertex(in: FixedIn) -> SolidOut {
+    return lit(place_fixed(in), in.packed >> 16u);
+}
+
+// Depth alone.
+@vertex
+fn occluder_vertex(in: VertexIn) -> @builtin(position) vec4<f32> {
+    let p = vec4<f32>(in.position, 1.0);
+    let world = vec3<f32>(dot(in.row_x, p), dot(in.row_y, p), dot(in.row_z, p));
+    return frame.clip_from_world * vec4<f32>(world, 1.0);
+}
+
+@vertex
+fn occluder_fixed_vertex(in: FixedIn) -> @builtin(position) vec4<f32> {
+    return frame.clip_from_world * vec4<f32>(in.position, 1.0);
 }
 
 @fragment

@@ -191,6 +191,9 @@ pub struct Cell {
     pub draws: u64,
     /// Triangles drawn.
     pub triangles: u64,
+    /// Triangles of clusters that [`topout_render::Options::occlusion`] left to draw; the others of the cut
+    /// nobody sees. `None` where none are left out, or only the adapter knows.
+    pub left: Option<u64>,
     /// Clusters drawn.
     pub clusters: u64,
     /// Frames measured.
@@ -369,6 +372,8 @@ impl Measurement {
             typical(self.key.moment, self.samples.iter().map(|(_, s)| of(s)).collect())
         };
         let gpu: Vec<f64> = self.samples.iter().filter_map(|(_, s)| s.gpu_ms).collect();
+        let left =
+            self.samples.iter().filter_map(|(_, s)| s.left).map(|left| left as f64).collect();
         let difference = (!self.compared.is_empty()).then(|| Difference::mean_of(&self.compared));
         Some(Cell {
             moment: self.key.moment,
@@ -380,6 +385,7 @@ impl Measurement {
             gpu_ms: typical(self.key.moment, gpu).map(|ms| rounded(ms, 3)),
             draws: middle(|s| s.draws as f64)? as u64,
             triangles: middle(|s| s.triangles as f64)? as u64,
+            left: typical(self.key.moment, left).map(|left| left as u64),
             clusters: middle(|s| s.clusters as f64)? as u64,
             frames: self.samples.len(),
             worst_px: self.samples.iter().fold(0.0, |worst, (_, s)| s.worst_px.max(worst)),

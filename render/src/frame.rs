@@ -110,11 +110,16 @@ impl FrameUniform {
     }
 }
 
-/// The part of the picture that a box can cover, with a margin, as x, y, width and height in pixels.
-/// `None` if it covers nothing.
-pub(crate) fn covered_rectangle(frame: &FrameUniform, bounds: &Aabb) -> Option<[u32; 4]> {
+/// The part of the picture that what is in a box can cover, drawn with an error of at most
+/// `tolerance_px`, as x, y, width and height in pixels. `None` if it covers nothing.
+pub(crate) fn covered_rectangle(
+    frame: &FrameUniform,
+    bounds: &Aabb,
+    tolerance_px: f32,
+) -> Option<[u32; 4]> {
     /// Smoothing looks this far.
     const MARGIN_PX: f32 = 4.0;
+    let margin = MARGIN_PX + tolerance_px.max(0.0);
     if bounds.is_empty() {
         return None;
     }
@@ -129,8 +134,8 @@ pub(crate) fn covered_rectangle(frame: &FrameUniform, bounds: &Aabb) -> Option<[
         let at = (Vec2::new(clip.x, -clip.y) / clip.w * 0.5 + 0.5) * frame.size;
         (low, high) = (low.min(at), high.max(at));
     }
-    let low = (low - MARGIN_PX).floor().clamp(Vec2::ZERO, frame.size).as_uvec2();
-    let high = (high + MARGIN_PX).ceil().clamp(Vec2::ZERO, frame.size).as_uvec2();
+    let low = (low - margin).floor().clamp(Vec2::ZERO, frame.size).as_uvec2();
+    let high = (high + margin).ceil().clamp(Vec2::ZERO, frame.size).as_uvec2();
     let extent = high.saturating_sub(low);
     (extent.x > 0 && extent.y > 0).then_some([low.x, low.y, extent.x, extent.y])
 }

@@ -29,6 +29,17 @@ pub enum Antialias {
     Msaa4,
 }
 
+/// Where it is found out which triangles nobody sees.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Occlusion {
+    /// Nowhere: all are drawn.
+    Off,
+    /// By threads of this program: for software adapters.
+    Cpu,
+    /// By kernels on the adapter.
+    Gpu,
+}
+
 /// Settings that seldom change.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Options {
@@ -39,13 +50,17 @@ pub struct Options {
     /// Whether elements outside the frame are left out by the CPU. Off only to test that it makes
     /// no difference.
     pub culling: bool,
+    /// Whether triangles of clusters that nobody sees are left out, and where that is found out. No
+    /// picture depends on it.
+    pub occlusion: Occlusion,
 }
 
 impl Options {
     /// What suits the adapter.
     pub fn for_gpu(gpu: &Gpu) -> Self {
         let antialias = if gpu.is_software() { Antialias::Smooth } else { Antialias::Msaa4 };
-        Self { antialias, edges: 0.35, culling: true }
+        let occlusion = if gpu.is_software() { Occlusion::Cpu } else { Occlusion::Gpu };
+        Self { antialias, edges: 0.35, culling: true, occlusion }
     }
 }
 
@@ -73,8 +88,11 @@ pub struct FrameStats {
     pub gpu_ms: Option<f64>,
     /// Draw commands, those of one multi-draw counted each.
     pub draws: u64,
-    /// Triangles of all commands.
+    /// Triangles of everything that is in the frame's cut.
     pub triangles: u64,
+    /// Triangles of clusters that were left to draw after [`Options::occlusion`]; `None` where none are
+    /// left out, or only the adapter knows.
+    pub left: Option<u64>,
     /// Clusters drawn.
     pub clusters: u32,
     /// Elements drawn exactly.

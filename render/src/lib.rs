@@ -4,6 +4,7 @@
 //! ([`FrameInput`]), draws it offscreen and says what it did ([`FrameStats`]). It knows nothing of
 //! windows: a window composites [`Renderer::color_view`], the command line reads it back.
 
+mod cull;
 mod draw_list;
 mod frame;
 mod gpu;
@@ -16,7 +17,7 @@ mod targets;
 mod timing;
 
 pub use gpu::{Gpu, GpuError, device_descriptor, instance_descriptor};
-pub use input::{Antialias, DrawMode, FrameInput, FrameStats, Options};
+pub use input::{Antialias, DrawMode, FrameInput, FrameStats, Occlusion, Options};
 pub use readback::Picture;
 pub use renderer::Renderer;
 

@@ -50,6 +50,8 @@ impl From<&Material> for MaterialRow {
 pub(crate) struct Geometry {
     pub vertices: wgpu::Buffer,
     pub indices: wgpu::Buffer,
+    /// Whether kernels can read both.
+    pub readable: bool,
     vertex_count: usize,
     index_count: usize,
 }
@@ -98,8 +100,12 @@ impl Geometry {
         };
         check(labels[0], vertices, i32::MAX as u64)?;
         check(labels[1], indices, u64::from(u32::MAX))?;
-        let usage = BufferUsages::COPY_DST;
+        let limit = gpu.device.limits().max_storage_buffer_binding_size;
+        let readable = vertices * VERTEX_BYTES <= limit && indices * INDEX_BYTES <= limit;
+        let storage = if readable { BufferUsages::STORAGE } else { BufferUsages::empty() };
+        let usage = BufferUsages::COPY_DST | storage;
         Ok(Self {
+            readable,
             vertices: gpu.buffer(
                 labels[0],
                 vertices * VERTEX_BYTES,

@@ -1,5 +1,6 @@
 //! The renderer: one scene, one picture a frame.
 
+use crate::cull::{self, Culler};
 use crate::draw_list::DrawList;
 use crate::frame::{FrameUniform, covered_rectangle, ground_height};
 use crate::gpu::{Gpu, GpuError};
@@ -13,7 +14,7 @@ use glam::UVec2;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
-use topout_scene::{Aabb, Hdlod, Scene, View, hdlod};
+use topout_scene::{Aabb, Hdlod, Layer, Scene, View, hdlod};
 use topout_schedule::Time;
 use wgpu::util::DrawIndexedIndirectArgs as Command;
 
@@ -83,6 +84,8 @@ pub struct Renderer {
     groups: PictureGroups,
     commands: wgpu::Buffer,
     command_bytes: Vec<u8>,
+    /// `None`: nothing is left out.
+    culler: Option<Culler>,
     timer: Option<GpuTimer>,
     list: DrawList,
     pool: Option<Pool>,
@@ -112,6 +115,7 @@ impl Renderer {
         let scene_group = bindings.bind(gpu, &frame, &empty_materials);
         let targets = Targets::new(gpu, UVec2::ONE, passes.samples);
         let groups = PictureGroups::new(gpu, &passes, &frame, &targets);
+        let samples = passes.samples;
         Self {
             gpu: gpu.clone(),
             options,
@@ -124,6 +128,8 @@ impl Renderer {
             groups,
             commands,
             command_bytes: Vec::new(),
+            culler: Culler::new(gpu, options.occlusion, samples)
+                .expect("a device holds a few small buffers"),
             timer: GpuTimer::new(gpu),
             list: DrawList::default(),
             pool: None,
@@ -144,6 +150,14 @@ impl Renderer {
         if options.antialias != self.options.antialias {
             self.passes = Passes::new(&self.gpu, &self.bindings, options.antialias);
             self.new_targets(self.targets.size);
+        }
+        if (options.antialias, options.occlusion)
+            != (self.options.antialias, self.options.occlusion)
+        {
+            self.culler = Culler::new(&self.gpu, options.occlusion, self.passes.samples)
+                .inspect_err(|error| tracing::warn!("{error}; drawing what nobody sees too"))
+                .ok()
+                .flatten();
         }
         self.options = options;
     }
@@ -253,8 +267,14 @@ impl Renderer {
         stats.select_ms = (selected - start).as_secs_f64() * 1e3;
         self.encode(&view, input.mode);
         stats.cpu_ms = selected.elapsed().as_secs_f64() * 1e3;
-        stats.draws = (self.list.elements.len() + self.list.clusters.len()) as u64;
-        stats.triangles = self.list.elements.triangles() + self.list.clusters.triangles();
+        // What is left of the clusters is one draw a layer.
+        let left = self.culler.as_ref().is_some_and(|c| c.triangles() > 0);
+        stats.draws =
+            (self.list.elements.len() + self.list.clusters.len()) as u64 + if left { 2 } else { 0 };
+        stats.triangles = self.list.elements.triangles()
+            + self.list.clusters.triangles()
+            + self.culler.as_ref().map_or(0, Culler::triangles);
+        stats.left = self.culler.as_ref().and_then(Culler::left);
         stats.elements = self.list.visible.len() as u32;
         stats.gpu_ms = self.gpu_ms();
         stats
@@ -286,6 +306,7 @@ impl Renderer {
     pub fn gpu_bytes(&self) -> u64 {
         self.pool.as_ref().map_or(0, Pool::bytes)
             + self.targets.bytes()
+            + self.culler.as_ref().map_or(0, Culler::bytes)
             + self.commands.size()
             + self.frame.size()
             + self.empty_materials.size()
@@ -315,6 +336,9 @@ impl Renderer {
     fn select(&mut self, view: &View, time: Time, mode: DrawMode) -> FrameStats {
         let mut stats = FrameStats::default();
         self.list.clear();
+        if let Some(culler) = &mut self.culler {
+            culler.set_spans(&[]);
+        }
         let (Some(scene), Some(pool)) = (&self.scene, &self.pool) else {
             return stats;
         };
@@ -322,7 +346,11 @@ impl Renderer {
             (Some(tree), DrawMode::Hdlod) => {
                 let mut selection = hdlod::select(scene, tree, view, time);
                 self.list.visible.append(&mut selection.elements);
-                self.list.push_spans(&selection.spans, pool.identity);
+                let geometry = pool.clusters.as_ref();
+                match self.culler.as_mut().filter(|c| geometry.is_some_and(|g| c.suits(g))) {
+                    Some(culler) => culler.set_spans(&selection.spans),
+                    None => self.list.push_spans(&selection.spans, pool.identity),
+                }
                 stats.clusters = selection.clusters;
                 stats.visited = selection.visited;
                 stats.worst_px = selection.worst_px;
@@ -348,12 +376,14 @@ impl Renderer {
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         // Only where the scene can be is there anything to smooth or to line.
-        let finish = (self.list.elements.len() + self.list.clusters.len() > 0
-            && (self.passes.smooth.is_some() || self.options.edges > 0.0))
-            .then(|| covered_rectangle(&uniform, &self.bounds))
-            .flatten();
+        let culls = self.culler.as_ref().is_some_and(|c| c.triangles() > 0);
+        let covered = covered_rectangle(&uniform, &self.bounds, view.tolerance_px);
+        let anything = self.list.elements.len() + self.list.clusters.len() > 0 || culls;
+        let finish = covered
+            .filter(|_| anything && (self.passes.smooth.is_some() || self.options.edges > 0.0));
         let from_above = uniform.sees_ground_from_above();
-        self.draw_scene(&mut encoder, mode, offsets, from_above, finish.is_none());
+        let culled = culls && self.cull(&mut encoder, &uniform, view, offsets, covered);
+        self.draw_scene(&mut encoder, mode, offsets, culled, from_above, finish.is_none());
         encoder.copy_texture_to_texture(
             self.targets.scene.texture.as_image_copy(),
             self.targets.output.texture.as_image_copy(),
@@ -412,6 +442,7 @@ impl Renderer {
         encoder: &mut wgpu::CommandEncoder,
         mode: DrawMode,
         offsets: Option<CommandOffsets>,
+        culled: bool,
         ground: bool,
         last: bool,
     ) {
@@ -421,6 +452,7 @@ impl Renderer {
         };
         let store =
             if resolve_target.is_some() { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
+        let first = !(culled && self.culler.as_ref().is_some_and(Culler::has_kernels));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("scene"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -440,26 +472,100 @@ impl Renderer {
                 }),
                 stencil_ops: None,
             }),
-            timestamp_writes: self.timer.as_ref().and_then(|t| t.stamps(true, last)),
+            timestamp_writes: self.timer.as_ref().and_then(|t| t.stamps(first, last)),
             ..Default::default()
         });
         pass.set_bind_group(0, &self.scene_group, &[]);
         if let Some(pool) = &self.pool {
-            pass.set_pipeline(&self.passes.solid.pipeline);
+            pass.set_pipeline(&self.passes.solid.placed);
             let at = offsets.map(|o| (o.element_opaque, o.cluster_opaque));
             let (elements, clusters) = (&self.list.elements.opaque, &self.list.clusters.opaque);
             self.draw_layer(&mut pass, pool, mode, elements, clusters, at);
+            if culled {
+                pass.set_pipeline(&self.passes.solid.fixed);
+                self.draw_left(&mut pass, Layer::Opaque);
+            }
         }
         self.passes.sky.draw(&mut pass);
         if ground {
             self.passes.ground.draw(&mut pass);
         }
         if let Some(pool) = &self.pool {
-            pass.set_pipeline(&self.passes.glass.pipeline);
+            pass.set_pipeline(&self.passes.glass.placed);
             let at = offsets.map(|o| (o.element_transparent, o.cluster_transparent));
             let list = &self.list;
             let (elements, clusters) = (&list.elements.transparent, &list.clusters.transparent);
             self.draw_layer(&mut pass, pool, mode, elements, clusters, at);
+            if culled {
+                pass.set_pipeline(&self.passes.glass.fixed);
+                self.draw_left(&mut pass, Layer::Transparent);
+            }
+        }
+    }
+
+    /// What culling left of the clusters, with the pipeline that is set.
+    fn draw_left(&self, pass: &mut wgpu::RenderPass<'_>, layer: Layer) {
+        let geometry = self.pool.as_ref().and_then(|pool| pool.clusters.as_ref());
+        if let (Some(culler), Some(geometry)) = (&self.culler, geometry) {
+            culler.draw(pass, geometry, layer);
+        }
+    }
+
+    /// Finds out what of the clusters may be seen; false where there is nothing to draw.
+    fn cull(
+        &mut self,
+        encoder: &mut wgpu::CommandEncoder,
+        uniform: &FrameUniform,
+        view: &View,
+        offsets: Option<CommandOffsets>,
+        covered: Option<[u32; 4]>,
+    ) -> bool {
+        let (Some(covered), Some(tree), Some(pool)) = (covered, &self.hdlod, &self.pool) else {
+            return false;
+        };
+        let (Some(mut culler), Some(geometry)) = (self.culler.take(), &pool.clusters) else {
+            return false;
+        };
+        let frame = cull::Frame {
+            uniform: &self.frame,
+            clip_from_world: uniform.clip_from_world,
+            near: view.near(),
+            size: view.size,
+            samples: self.passes.samples,
+            covered,
+            depth: &self.targets.depth.view,
+            tree,
+            geometry,
+            stamp: self.timer.as_ref().map(GpuTimer::first_of_kernels),
+        };
+        let done = culler.cull(&self.gpu, &frame, encoder, |encoder, draw| {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("occluders"),
+                color_attachments: &[],
+                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                    view: &self.targets.depth.view,
+                    depth_ops: Some(wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(0.0),
+                        store: wgpu::StoreOp::Store,
+                    }),
+                    stencil_ops: None,
+                }),
+                ..Default::default()
+            });
+            pass.set_bind_group(0, &self.scene_group, &[]);
+            pass.set_pipeline(&self.passes.solid.occluder_placed);
+            let at = offsets.map(|o| (o.element_opaque, o.cluster_opaque));
+            self.draw_layer(&mut pass, pool, DrawMode::Hdlod, &self.list.elements.opaque, &[], at);
+            pass.set_pipeline(&self.passes.solid.occluder_fixed);
+            draw(&mut pass);
+        });
+        self.culler = Some(culler);
+        match done {
+            Ok(()) => true,
+            Err(error) => {
+                tracing::warn!("{error}; drawing without leaving out what nobody sees");
+                false
+            }
         }
     }
 

@@ -2,6 +2,7 @@
 
 #![allow(clippy::unwrap_used)]
 
+use crate::cull::{Item, gpu as kernels};
 use crate::frame::FrameUniform;
 use crate::passes::SHADERS;
 use crate::pool::{InstanceRow, MaterialRow};
@@ -38,7 +39,7 @@ macro_rules! rust_layout {
 #[test]
 fn every_shader_is_valid() {
     use naga::valid::{Capabilities, ValidationFlags, Validator};
-    for (name, text) in SHADERS {
+    for (name, text) in SHADERS.into_iter().chain(kernels::KERNELS) {
         let module = parse(name, text);
         Validator::new(ValidationFlags::all(), Capabilities::empty())
             .validate(&module)
@@ -70,7 +71,8 @@ fn frame_is_laid_out_alike_in_every_shader() {
         pixel_m,
         padding,
     });
-    for (name, text) in SHADERS {
+    let tests = kernels::KERNELS.into_iter().filter(|(name, _)| name.starts_with("test"));
+    for (name, text) in SHADERS.into_iter().chain(tests) {
         assert_eq!(layout(&parse(name, text), "Frame"), rust, "{name}");
     }
 }
@@ -80,6 +82,27 @@ fn material_is_laid_out_alike() {
     let rust = rust_layout!(MaterialRow { color, roughness, metallic, padding });
     for (name, text) in &SHADERS[..2] {
         assert_eq!(layout(&parse(name, text), "Material"), rust, "{name}");
+    }
+}
+
+#[test]
+fn culling_is_laid_out_alike() {
+    let uniform = rust_layout!(kernels::CullUniform {
+        low,
+        high,
+        items,
+        opaque_items,
+        samples,
+        padding,
+        levels,
+    });
+    let item = rust_layout!(Item { triangle, count, base_vertex });
+    for (name, text) in kernels::KERNELS {
+        let module = parse(name, text);
+        assert_eq!(layout(&module, "Cull"), uniform, "{name}");
+        if name != "pyramid, one sample" && name != "pyramid, many samples" {
+            assert_eq!(layout(&module, "Item"), item, "{name}");
+        }
     }
 }
 
@@ -214,7 +237,7 @@ fn finished_rectangle_covers_the_box() {
     let mut inside = 0;
     for view in &views {
         let frame = FrameUniform::new(view, &bounds, 0.0, 0.0);
-        let [x, y, w, h] = covered_rectangle(&frame, &bounds).unwrap();
+        let [x, y, w, h] = covered_rectangle(&frame, &bounds, 0.0).unwrap();
         for i in 0..1000 {
             let share = Vec3::new((i % 10) as f32, (i / 10 % 10) as f32, (i / 100) as f32) / 9.0;
             let clip = frame.clip_from_world * (bounds.min + bounds.size() * share).extend(1.0);
@@ -230,7 +253,7 @@ fn finished_rectangle_covers_the_box() {
     }
     assert!(inside > 3000, "{inside}");
     let far = FrameUniform::new(&views[3], &bounds, 0.0, 0.0);
-    let [_, _, w, h] = covered_rectangle(&far, &bounds).unwrap();
+    let [_, _, w, h] = covered_rectangle(&far, &bounds, 0.0).unwrap();
     assert!(w < 90 && h < 70, "{w} {h}");
-    assert_eq!(covered_rectangle(&far, &Aabb::EMPTY), None);
+    assert_eq!(covered_rectangle(&far, &Aabb::EMPTY, 0.0), None);
 }

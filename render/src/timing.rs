@@ -65,6 +65,15 @@ impl GpuTimer {
         })
     }
 
+    /// The stamp at the beginning of a frame whose first pass is one of kernels.
+    pub fn first_of_kernels(&self) -> wgpu::ComputePassTimestampWrites<'_> {
+        wgpu::ComputePassTimestampWrites {
+            query_set: &self.queries,
+            beginning_of_pass_write_index: Some(0),
+            end_of_pass_write_index: None,
+        }
+    }
+
     /// Copies the stamps at the end of a frame. Skips the frame while an older one is under way.
     pub fn resolve(&mut self, encoder: &mut wgpu::CommandEncoder) {
         if self.state == State::Idle {

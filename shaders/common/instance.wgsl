@@ -20,6 +20,12 @@ struct VertexIn {
     @location(4) row_z: vec4<f32>,
 }
 
+// Of geometry that already is where it belongs.
+struct FixedIn {
+    @location(0) position: vec3<f32>,
+    @location(1) packed: u32,
+}
+
 // A vertex where it stands.
 struct Placed {
     clip: vec4<f32>,
@@ -51,7 +57,15 @@ fn place(in: VertexIn) -> Placed {
     let x = in.row_x.xyz;
     let y = in.row_y.xyz;
     let z = in.row_z.xyz;
-    let crossed = vec3<f32>(dot(cross(y, z), n), dot(cross(z, x), n), dot(cross(x, y), n));
+    return stand(world, vec3<f32>(dot(cross(y, z), n), dot(cross(z, x), n), dot(cross(x, y), n)));
+}
+
+fn place_fixed(in: FixedIn) -> Placed {
+    return stand(in.position, decode_normal(in.packed));
+}
+
+// `crossed`: the normal, of any length.
+fn stand(world: vec3<f32>, crossed: vec3<f32>) -> Placed {
     let normal = crossed * inverseSqrt(max(dot(crossed, crossed), 1e-30));
     var out: Placed;
     out.clip = frame.clip_from_world * vec4<f32>(world, 1.0);

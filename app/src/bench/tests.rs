@@ -144,7 +144,18 @@ fn a_cell_says_in_json_what_the_contract_lists() {
     let mut m = measurement(DrawMode::Hdlod, Moment::Third);
     assert_eq!(m.finish(), None, "nothing measured yet");
     m.samples = [3.0, 1.0, 2.0]
-        .map(|ms| (ms, FrameStats { draws: 4, triangles: 50, worst_px: 0.5, ..Default::default() }))
+        .map(|ms| {
+            (
+                ms,
+                FrameStats {
+                    draws: 4,
+                    triangles: 50,
+                    left: Some(20),
+                    worst_px: 0.5,
+                    ..Default::default()
+                },
+            )
+        })
         .to_vec();
     m.compared =
         vec![Difference { mean: 0.1, elements: 0.25, worst_tile: 0.5, coverage_change: -0.125 }];
@@ -158,6 +169,7 @@ fn a_cell_says_in_json_what_the_contract_lists() {
         ("gpu_ms", serde_json::Value::Null),
         ("draws", 4.into()),
         ("triangles", 50.into()),
+        ("left", 20.into()),
         ("flip", 0.25.into()),
         ("coverage_change", (-0.125).into()),
     ] {

@@ -6,7 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use glam::{DVec3, UVec2};
 use std::path::PathBuf;
 use std::str::FromStr;
-use topout_render::DrawMode;
+use topout_render::{DrawMode, Occlusion};
 use topout_scene::NamedView;
 use topout_scene::hdlod::{Simplifier, Temporal};
 use topout_schedule::Time;
@@ -117,6 +117,10 @@ pub struct Common {
     /// How the tree's geometry is simplified; edges and pairs are there to compare.
     #[arg(long, value_name = "WAY", default_value = "covers")]
     pub simplifier: SimplifierChoice,
+
+    /// Where triangles that nobody sees are left out [default: cpu on software adapters, else gpu].
+    #[arg(long, value_name = "WHERE")]
+    pub occlusion: Option<OcclusionChoice>,
 
     /// Also write one JSON object to this file; - is standard output.
     #[arg(long, value_name = "FILE")]
@@ -340,6 +344,27 @@ impl From<TemporalRule> for Temporal {
         match rule {
             TemporalRule::Tight => Self::Tight,
             TemporalRule::Paper => Self::Paper,
+        }
+    }
+}
+
+/// Where triangles that nobody sees are left out. No picture depends on it.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum OcclusionChoice {
+    /// Nowhere.
+    Off,
+    /// By threads of this program.
+    Cpu,
+    /// By kernels on the adapter.
+    Gpu,
+}
+
+impl From<OcclusionChoice> for Occlusion {
+    fn from(choice: OcclusionChoice) -> Self {
+        match choice {
+            OcclusionChoice::Off => Self::Off,
+            OcclusionChoice::Cpu => Self::Cpu,
+            OcclusionChoice::Gpu => Self::Gpu,
         }
     }
 }

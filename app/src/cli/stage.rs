@@ -8,7 +8,7 @@ use glam::DVec3;
 use serde_json::{Map, Value};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use topout_render::{DrawMode, Gpu, Renderer};
+use topout_render::{DrawMode, Gpu, Options, Renderer};
 use topout_scene::cache::Cache;
 use topout_scene::{NamedView, Progress, Projection, Scene, View, hdlod};
 
@@ -46,6 +46,9 @@ impl Stage {
         let load_seconds = started.elapsed().as_secs_f64();
         let gpu = phases.time("graphics: adapter", Gpu::headless)?;
         let mut renderer = phases.time("graphics: shaders", || Renderer::new(&gpu));
+        if let Some(choice) = args.occlusion {
+            renderer.set_options(Options { occlusion: choice.into(), ..renderer.options() });
+        }
         phases
             .time("graphics: scene", || renderer.set_scene(&scene))
             .context("cannot bring the scene onto the GPU")?;

@@ -80,6 +80,7 @@ pub fn compared(cells: &[Cell]) -> String {
         "the paper's",
         "over batched",
         "triangles",
+        "left",
         "of",
         "FLIP",
         "coverage",
@@ -100,6 +101,7 @@ pub fn compared(cells: &[Cell]) -> String {
                 factor(PAPER[row][3] / PAPER[row][column]),
                 gain(batched),
                 grouped(cell.triangles),
+                or_dash(cell.left.map(grouped)),
                 or_dash(batched.map(|b| grouped(b.triangles))),
                 or_dash(cell.flip.map(|f| format!("{f:.3}"))),
                 or_dash(cell.coverage_change.map(|c| format!("{:+.1} %", c * 100.0))),
@@ -189,6 +191,7 @@ mod tests {
             gpu_ms: None,
             draws: 1,
             triangles: 1234,
+            left: hdlod.then_some(123),
             clusters: 0,
             frames: 30,
             worst_px: 0.0,
@@ -227,7 +230,7 @@ mod tests {
         let row = text.lines().find(|l| l.starts_with("2/3") && l.contains(" 1/16 ")).unwrap();
         assert_eq!(
             row.split_whitespace().collect::<Vec<_>>(),
-            ["2/3", "1/16", "164x", "164x", "-", "1,234", "-", "0.010", "-2.0", "%"]
+            ["2/3", "1/16", "164x", "164x", "-", "1,234", "123", "-", "0.010", "-2.0", "%"]
         );
     }
 

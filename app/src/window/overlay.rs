@@ -167,11 +167,13 @@ fn figures(ui: &mut Ui, state: &AppState) {
         line(
             ui,
             format!(
-                "{} triangles · {} draws",
+                "{}{} triangles · {} draws",
+                stats.left.map_or(String::new(), |left| format!("{} of ", short_count(left))),
                 short_count(stats.triangles),
                 short_count(stats.draws)
             ),
-            "What the last frame asked the GPU to draw.",
+            "What the last frame asked the GPU to draw: of the triangles that suffice for the \
+             tolerance those that may be seen.",
         );
         let (text, tip) = accuracy(state, stats);
         line(ui, text, &tip);

@@ -1,6 +1,6 @@
 //! Everything transparent: blended over the solid parts and the sky, tests depth, writes none.
 
-use super::{SceneBindings, ScenePipeline};
+use super::{SceneBindings, ScenePipeline, Vertices};
 use crate::gpu::Gpu;
 
 pub(super) const SHADER: &str = concat!(
@@ -13,7 +13,10 @@ pub(super) const SHADER: &str = concat!(
 /// The pass of the transparent layer.
 #[derive(Debug)]
 pub(crate) struct Glass {
-    pub pipeline: wgpu::RenderPipeline,
+    /// Of placed geometry.
+    pub placed: wgpu::RenderPipeline,
+    /// Of geometry that is where it belongs.
+    pub fixed: wgpu::RenderPipeline,
 }
 
 /// Colour by the shader's opacity, which also adds to the picture's alpha: that of the sky, one step
@@ -33,18 +36,23 @@ const BLEND: wgpu::BlendState = wgpu::BlendState {
 
 impl Glass {
     pub fn new(gpu: &Gpu, bindings: &SceneBindings, samples: u32) -> Self {
-        let pipeline = ScenePipeline {
-            label: "glass",
-            shader: SHADER,
-            vertex: "glass_vertex",
-            fragment: "glass_fragment",
-            from_pool: true,
-            topology: wgpu::PrimitiveTopology::TriangleList,
-            blend: Some(BLEND),
-            write_depth: false,
-            compare: wgpu::CompareFunction::Greater,
+        let build = |vertex, vertices| {
+            ScenePipeline {
+                label: "glass",
+                shader: SHADER,
+                vertex,
+                fragment: Some("glass_fragment"),
+                vertices,
+                topology: wgpu::PrimitiveTopology::TriangleList,
+                blend: Some(BLEND),
+                write_depth: false,
+                compare: wgpu::CompareFunction::Greater,
+            }
+            .build(gpu, bindings, samples)
+        };
+        Self {
+            placed: build("glass_vertex", Vertices::Placed),
+            fixed: build("glass_fixed_vertex", Vertices::Fixed),
         }
-        .build(gpu, bindings, samples);
-        Self { pipeline }
     }
 }

@@ -1,6 +1,6 @@
 //! The ground with its grid where nothing solid is.
 
-use super::{SceneBindings, ScenePipeline};
+use super::{SceneBindings, ScenePipeline, Vertices};
 use crate::gpu::Gpu;
 
 pub(super) const SHADER: &str = concat!(
@@ -21,8 +21,8 @@ impl Ground {
             label: "ground",
             shader: SHADER,
             vertex: "ground_vertex",
-            fragment: "ground_fragment",
-            from_pool: false,
+            fragment: Some("ground_fragment"),
+            vertices: Vertices::None,
             topology: wgpu::PrimitiveTopology::TriangleStrip,
             blend: None,
             write_depth: false,

@@ -145,13 +145,25 @@ fn vertex_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 2] {
     ]
 }
 
+/// Where a pass of the scene has its vertices from.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Vertices {
+    /// The shader makes them.
+    None,
+    /// The pool, placed by its instances.
+    Placed,
+    /// The pool, where they already are where they belong.
+    Fixed,
+}
+
 /// How a pass of the scene differs from the others.
 struct ScenePipeline<'a> {
     label: &'a str,
     shader: &'static str,
     vertex: &'a str,
-    fragment: &'a str,
-    from_pool: bool,
+    /// `None`: depth alone.
+    fragment: Option<&'a str>,
+    vertices: Vertices,
     topology: wgpu::PrimitiveTopology,
     blend: Option<wgpu::BlendState>,
     write_depth: bool,
@@ -162,6 +174,11 @@ impl ScenePipeline<'_> {
     fn build(&self, gpu: &Gpu, bindings: &SceneBindings, samples: u32) -> wgpu::RenderPipeline {
         let module = module(gpu, self.label, self.shader);
         let pool = vertex_buffers();
+        let target = [Some(wgpu::ColorTargetState {
+            format: SCENE_FORMAT,
+            blend: self.blend,
+            write_mask: wgpu::ColorWrites::ALL,
+        })];
         gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(self.label),
             layout: Some(&bindings.pipeline_layout),
@@ -169,7 +186,11 @@ impl ScenePipeline<'_> {
                 module: &module,
                 entry_point: Some(self.vertex),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
-                buffers: if self.from_pool { &pool } else { &[] },
+                buffers: match self.vertices {
+                    Vertices::None => &[],
+                    Vertices::Placed => &pool,
+                    Vertices::Fixed => &pool[..1],
+                },
             },
             primitive: wgpu::PrimitiveState { topology: self.topology, ..Default::default() },
             depth_stencil: Some(wgpu::DepthStencilState {
@@ -180,15 +201,11 @@ impl ScenePipeline<'_> {
                 bias: wgpu::DepthBiasState::default(),
             }),
             multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
-            fragment: Some(wgpu::FragmentState {
+            fragment: self.fragment.map(|entry| wgpu::FragmentState {
                 module: &module,
-                entry_point: Some(self.fragment),
+                entry_point: Some(entry),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
-                targets: &[Some(wgpu::ColorTargetState {
-                    format: SCENE_FORMAT,
-                    blend: self.blend,
-                    write_mask: wgpu::ColorWrites::ALL,
-                })],
+                targets: &target,
             }),
             multiview_mask: None,
             cache: None,

@@ -1,6 +1,6 @@
 //! The sky where nothing solid is.
 
-use super::{SceneBindings, ScenePipeline};
+use super::{SceneBindings, ScenePipeline, Vertices};
 use crate::gpu::Gpu;
 
 pub(super) const SHADER: &str = concat!(
@@ -21,8 +21,8 @@ impl Sky {
             label: "sky",
             shader: SHADER,
             vertex: "sky_vertex",
-            fragment: "sky_fragment",
-            from_pool: false,
+            fragment: Some("sky_fragment"),
+            vertices: Vertices::None,
             topology: wgpu::PrimitiveTopology::TriangleList,
             blend: None,
             write_depth: false,

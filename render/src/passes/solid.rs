@@ -1,6 +1,6 @@
 //! Everything opaque: writes colour and depth.
 
-use super::{SceneBindings, ScenePipeline};
+use super::{SceneBindings, ScenePipeline, Vertices};
 use crate::gpu::Gpu;
 
 pub(super) const SHADER: &str = concat!(
@@ -13,23 +13,37 @@ pub(super) const SHADER: &str = concat!(
 /// The pass of the opaque layer.
 #[derive(Debug)]
 pub(crate) struct Solid {
-    pub pipeline: wgpu::RenderPipeline,
+    /// Of placed geometry.
+    pub placed: wgpu::RenderPipeline,
+    /// Of geometry that is where it belongs.
+    pub fixed: wgpu::RenderPipeline,
+    /// The two with depth alone.
+    pub occluder_placed: wgpu::RenderPipeline,
+    pub occluder_fixed: wgpu::RenderPipeline,
 }
 
 impl Solid {
     pub fn new(gpu: &Gpu, bindings: &SceneBindings, samples: u32) -> Self {
-        let pipeline = ScenePipeline {
-            label: "solid",
-            shader: SHADER,
-            vertex: "solid_vertex",
-            fragment: "solid_fragment",
-            from_pool: true,
-            topology: wgpu::PrimitiveTopology::TriangleList,
-            blend: None,
-            write_depth: true,
-            compare: wgpu::CompareFunction::Greater,
+        let build = |vertex, fragment, vertices| {
+            ScenePipeline {
+                label: "solid",
+                shader: SHADER,
+                vertex,
+                fragment,
+                vertices,
+                topology: wgpu::PrimitiveTopology::TriangleList,
+                blend: None,
+                write_depth: true,
+                compare: wgpu::CompareFunction::Greater,
+            }
+            .build(gpu, bindings, samples)
+        };
+        let fragment = Some("solid_fragment");
+        Self {
+            placed: build("solid_vertex", fragment, Vertices::Placed),
+            fixed: build("solid_fixed_vertex", fragment, Vertices::Fixed),
+            occluder_placed: build("occluder_vertex", None, Vertices::Placed),
+            occluder_fixed: build("occluder_fixed_vertex", None, Vertices::Fixed),
         }
-        .build(gpu, bindings, samples);
-        Self { pipeline }
     }
 }

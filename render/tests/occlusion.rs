@@ -1,0 +1,101 @@
+//! Leaving out what nobody sees changes no picture, whatever was drawn before.
+#![allow(clippy::unwrap_used)]
+
+use glam::{UVec2, Vec3};
+use std::sync::Arc;
+use topout_render::{Antialias, DrawMode, FrameInput, Gpu, Occlusion, Options, Picture, Renderer};
+use topout_scene::{Hdlod, Progress, Projection, Scene, View, demo, hdlod, link};
+
+fn small_demo() -> (Arc<Scene>, Arc<Hdlod>) {
+    let settings = demo::DemoSettings::for_elements(3000);
+    let (model, schedule) = demo::generate(&settings, &Progress::default()).unwrap();
+    let scene = link::link(model, schedule);
+    let tree = hdlod::build(&scene, &hdlod::Settings::default(), &Progress::default()).unwrap();
+    (Arc::new(scene), Arc::new(tree))
+}
+
+fn renderer(scene: &Arc<Scene>, tree: &Arc<Hdlod>) -> Renderer {
+    let mut r = Renderer::new(&Gpu::headless().unwrap());
+    r.set_scene(scene).unwrap();
+    r.set_hdlod(tree).unwrap();
+    r
+}
+
+/// A way round the site: small steps and jumps of camera and date, both projections, from far, from the
+/// street, from inside and with clusters much coarser than a pixel.
+fn journey(scene: &Scene) -> Vec<FrameInput> {
+    let size = UVec2::new(320, 200);
+    let bounds = scene.focus_bounds();
+    let period = scene.schedule.period;
+    let mut frames = Vec::new();
+    for step in 0..24 {
+        let share = f64::from(step % 8) / 8.0;
+        let angle = if step % 3 == 0 { step as f32 * 71.0 } else { 30.0 + step as f32 };
+        let distance = [1.0, 0.5, 2.0, 4.0][step as usize / 2 % 4];
+        let mut view = View::fit(&bounds, angle, 15.0, distance, size);
+        match step % 6 {
+            2 => view.projection = Projection::Orthographic { height: bounds.size().y * distance },
+            4 => view.tolerance_px = 6.0,
+            5 => {
+                // Within the tower, and on the street.
+                let up = if step % 12 == 5 { 0.4 } else { 0.02 };
+                let foot = bounds.center().with_y(bounds.min.y);
+                view.eye = foot + Vec3::new(1.0, bounds.size().y * up, 1.0);
+                view.target = view.eye + Vec3::new(1.0, 0.1, 0.7);
+            }
+            _ => {}
+        }
+        // Every other step at the date of the one before.
+        let time = period.at_fraction(if step % 2 == 0 { share } else { share - 0.125 });
+        frames.push(FrameInput { view, time, mode: DrawMode::Hdlod });
+    }
+    frames
+}
+
+fn pictures(r: &mut Renderer, options: Options, frames: &[FrameInput]) -> Vec<Picture> {
+    r.set_options(options);
+    let shot = |frame| {
+        r.render(frame);
+        r.read_back().unwrap()
+    };
+    frames.iter().map(shot).collect()
+}
+
+#[test]
+fn what_is_left_out_is_never_seen() {
+    let (scene, tree) = small_demo();
+    let mut r = renderer(&scene, &tree);
+    let frames = journey(&scene);
+    for antialias in [Antialias::Smooth, Antialias::Msaa4] {
+        let options = Options { antialias, ..r.options() };
+        let off = Options { occlusion: Occlusion::Off, ..options };
+        let expected = pictures(&mut r, off, &frames);
+        for occlusion in [Occlusion::Cpu, Occlusion::Gpu] {
+            let found = pictures(&mut r, Options { occlusion, ..options }, &frames);
+            for (i, (expected, found)) in expected.iter().zip(&found).enumerate() {
+                let pixels = expected.rgba.chunks(4).zip(found.rgba.chunks(4));
+                let differ = pixels.filter(|(a, b)| a != b).count();
+                assert_eq!(differ, 0, "frame {i}, {occlusion:?}, {antialias:?}");
+            }
+        }
+    }
+}
+
+/// In the second frame of a view most of the cut is left out; in the first only what covers no pixel.
+#[test]
+fn most_is_left_out() {
+    let (scene, tree) = small_demo();
+    let mut r = renderer(&scene, &tree);
+    r.set_options(Options { antialias: Antialias::Off, occlusion: Occlusion::Cpu, ..r.options() });
+    let view = View::fit(&scene.focus_bounds(), 30.0, 20.0, 2.0, UVec2::new(640, 400));
+    let time = scene.schedule.period.end.plus_seconds(-1);
+    let input = FrameInput { view, time, mode: DrawMode::Hdlod };
+    let [first, second] = [0, 1].map(|_| r.render(&input));
+    assert_eq!(first.triangles, second.triangles);
+    let (first_left, left) = (first.left.unwrap(), second.left.unwrap());
+    println!("{} triangles, left {first_left}, then {left}", first.triangles);
+    assert!(first_left < first.triangles);
+    assert!(left * 4 < first.triangles && left * 3 < first_left * 2);
+    r.set_options(Options { occlusion: Occlusion::Off, ..r.options() });
+    assert_eq!(r.render(&input).left, None);
+}
