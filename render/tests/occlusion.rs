@@ -81,7 +81,7 @@ fn what_is_left_out_is_never_seen() {
     }
 }
 
-/// In the second frame of a view most of the cut is left out; in the first only what covers no pixel.
+/// Most of the cut is left out, in the first frame as in those that follow.
 #[test]
 fn most_is_left_out() {
     let (scene, tree) = small_demo();
@@ -94,8 +94,8 @@ fn most_is_left_out() {
     assert_eq!(first.triangles, second.triangles);
     let (first_left, left) = (first.left.unwrap(), second.left.unwrap());
     println!("{} triangles, left {first_left}, then {left}", first.triangles);
-    assert!(first_left < first.triangles);
-    assert!(left * 4 < first.triangles && left * 3 < first_left * 2);
+    assert!(left * 4 < first.triangles);
+    assert!(first_left <= left + left / 10);
     r.set_options(Options { occlusion: Occlusion::Off, ..r.options() });
     assert_eq!(r.render(&input).left, None);
 }

@@ -6,7 +6,7 @@ use super::Item;
 use glam::{IVec2, Mat4, UVec2, Vec2, Vec3};
 use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
-use topout_scene::{Hdlod, Vertex};
+use topout_scene::Hdlod;
 
 /// Pixels by which edges may be moved: rasterizers bring corners onto a grid of 1/256 pixel.
 const SNAP_PX: f32 = 1.0 / 64.0;
@@ -220,22 +220,31 @@ fn may_be_seen(corners: [Vec3; 3], grow: f32, depth: &Depth) -> bool {
     Rows::new(corners, grow, [low, high]).is_some_and(|rows| rows.may_be_seen(depth))
 }
 
-/// What a portion of the items leaves.
-#[derive(Debug, Default)]
-struct Left {
-    /// Indices of the opaque and of the transparent triangles.
-    packed: [Vec<u32>; 2],
+/// Corners that were brought to the picture; neighbouring triangles share them.
+struct Corners {
+    known: [(u32, Option<Vec3>); Self::KNOWN],
 }
 
-/// Leaves out triangles that nobody sees; see the file's head.
-#[derive(Debug)]
-pub(crate) struct CpuCuller {
-    threads: rayon::ThreadPool,
-    depths: Vec<Mutex<Depth>>,
-    left: Vec<Mutex<Left>>,
-    /// One bit a triangle of the tree: the frame before and this one.
-    before: Vec<u32>,
-    now: Vec<AtomicU32>,
+impl Corners {
+    const KNOWN: usize = 64;
+
+    fn new() -> Self {
+        Self { known: [(u32::MAX, None); Self::KNOWN] }
+    }
+
+    fn corner(&mut self, cut: &Cut<'_>, vertex: u32) -> Option<Vec3> {
+        let known = &mut self.known[vertex as usize % Self::KNOWN];
+        if known.0 != vertex {
+            *known = (vertex, cut.screen.corner(cut.tree.vertices[vertex as usize].position));
+        }
+        known.1
+    }
+
+    /// The corners of one of an item's triangles; `None` where it reaches before the near plane.
+    fn of(&mut self, cut: &Cut<'_>, item: &Item, bit: u32) -> Option<[Vec3; 3]> {
+        let [a, b, c] = cut.vertices(item, bit);
+        Some([self.corner(cut, a)?, self.corner(cut, b)?, self.corner(cut, c)?])
+    }
 }
 
 /// The cut of a frame.
@@ -251,17 +260,43 @@ pub(super) struct Cut<'a> {
 }
 
 impl Cut<'_> {
-    fn corners(&self, item: &Item, bit: u32) -> Option<[Vec3; 3]> {
+    /// Indices into the tree's vertices.
+    fn vertices(&self, item: &Item, bit: u32) -> [u32; 3] {
         let at = (item.triangle + bit) as usize * 3;
-        let vertices: &[Vertex] = &self.tree.vertices[item.base_vertex as usize..];
-        let indices = &self.tree.indices[at..at + 3];
-        let corner = |k: usize| self.screen.corner(vertices[indices[k] as usize].position);
-        Some([corner(0)?, corner(1)?, corner(2)?])
+        [0, 1, 2].map(|k| self.tree.indices[at + k] + item.base_vertex)
+    }
+
+    /// Pixels by which edges are moved, so that roundings do not matter.
+    fn grow(&self) -> f32 {
+        // Several samples may lie anywhere in a pixel.
+        if self.samples > 1 { 0.5 + SNAP_PX } else { SNAP_PX }
+    }
+
+    fn area(&self) -> [IVec2; 2] {
+        let [x, y, width, height] = self.covered.map(|v| v as i32);
+        [IVec2::new(x, y), IVec2::new(x + width, y + height)]
+    }
+
+    /// Calls `work` with portions of the items, of each its first place and its items.
+    fn share(&self, next: &AtomicUsize, mut work: impl FnMut(usize, &[Item])) {
+        loop {
+            let first = next.fetch_add(PORTION, Ordering::Relaxed);
+            let Some(rest) = self.items.get(first..).filter(|rest| !rest.is_empty()) else {
+                return;
+            };
+            work(first, &rest[..rest.len().min(PORTION)]);
+        }
     }
 }
 
+/// All triangles of an item.
 fn whole(item: &Item) -> u32 {
     u32::MAX >> (32 - item.count)
+}
+
+/// The part of a word of a table of bits, one a triangle, that an item stands for.
+fn part(word: u32, item: &Item) -> u32 {
+    (word >> (item.triangle % 32)) & whole(item)
 }
 
 fn bits(mut mask: u32) -> impl Iterator<Item = u32> {
@@ -276,6 +311,24 @@ fn lock<T>(mutex: &Mutex<T>) -> std::sync::MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
+fn inner<T>(mutex: &mut Mutex<T>) -> &mut T {
+    mutex.get_mut().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Leaves out triangles that nobody sees; see the file's head.
+#[derive(Debug)]
+pub(crate) struct CpuCuller {
+    threads: rayon::ThreadPool,
+    /// Each thread's occluders; those of all in the first.
+    depths: Vec<Mutex<Depth>>,
+    /// Which triangles of each item are left.
+    masks: Vec<AtomicU32>,
+    /// Indices of what is left of each portion, opaque and transparent.
+    packed: Vec<Mutex<[Vec<u32>; 2]>>,
+    /// One bit a triangle of the tree: what was seen in the frame before.
+    seen: Vec<u32>,
+}
+
 impl CpuCuller {
     pub fn new() -> Self {
         let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
@@ -285,36 +338,48 @@ impl CpuCuller {
             .build()
             .expect("threads can be started");
         let depths = (0..threads.current_num_threads()).map(|_| Mutex::default()).collect();
-        Self { threads, depths, left: Vec::new(), before: Vec::new(), now: Vec::new() }
+        Self { threads, depths, masks: Vec::new(), packed: Vec::new(), seen: Vec::new() }
     }
 
     /// Finds what may be seen of the cut.
     pub(super) fn cull(&mut self, cut: &Cut<'_>) {
-        let words = (cut.tree.indices.len() / 3).div_ceil(32);
-        self.before.resize(words, 0);
-        self.now.resize_with(words, AtomicU32::default);
-        for (before, now) in self.before.iter_mut().zip(&mut self.now) {
-            *before = std::mem::take(now.get_mut());
-        }
-        let [x, y, width, height] = cut.covered.map(|v| v as i32);
-        let (low, high) = (IVec2::new(x, y), IVec2::new(x + width, y + height));
+        self.seen.resize((cut.tree.indices.len() / 3).div_ceil(32), 0);
+        self.masks.resize_with(cut.items.len().max(self.masks.len()), AtomicU32::default);
+        let [low, high] = cut.area();
+        self.depths.iter_mut().for_each(|depth| inner(depth).clear(low, high));
+        let seen = |item: &Item| part(self.seen[item.triangle as usize / 32], item);
+        let mask = |slot: usize| self.masks[slot].load(Ordering::Relaxed);
 
-        // Several samples may lie anywhere in a pixel.
-        let grow = if cut.samples > 1 { 0.5 + SNAP_PX } else { SNAP_PX };
-        let next = AtomicUsize::new(0);
-        let portion = |items: &'_ [Item]| -> Option<usize> {
-            let first = next.fetch_add(PORTION, Ordering::Relaxed);
-            (first < items.len()).then_some(first)
-        };
-        let occluders = &cut.items[..cut.opaque_items];
+        let recalled = self.occlude(cut, |_, item| seen(item));
+        self.test(cut, |_, item| whole(item));
+        let all = || cut.items[..cut.opaque_items].iter().enumerate();
+        let new: u32 = all().map(|(slot, item)| (mask(slot) & !seen(item)).count_ones()).sum();
+        // After a jump of the date much is left only because what hides it is new itself.
+        if new as usize > recalled / 4 {
+            self.occlude(cut, |slot, item| mask(slot) & !seen(item));
+            self.test(cut, |slot, _| mask(slot));
+        }
+        self.pack(cut);
+
+        self.seen.fill(0);
+        for (mask, item) in self.masks.iter_mut().zip(cut.items) {
+            self.seen[item.triangle as usize / 32] |= *mask.get_mut() << (item.triangle % 32);
+        }
+    }
+
+    /// Draws occluders, `which` of each opaque item, in front of those that are there. Returns how many.
+    fn occlude(&self, cut: &Cut<'_>, which: impl Fn(usize, &Item) -> u32 + Sync) -> usize {
+        let (grow, [low, high]) = (cut.grow(), cut.area());
+        let (next, count) = (AtomicUsize::new(0), AtomicUsize::new(0));
         self.threads.broadcast(|thread| {
             let mut depth = lock(&self.depths[thread.index()]);
-            depth.clear(low, high);
-            while let Some(first) = portion(occluders) {
-                for item in occluders.iter().skip(first).take(PORTION) {
-                    let word = self.before[item.triangle as usize / 32];
-                    for bit in bits((word >> (item.triangle % 32)) & whole(item)) {
-                        if let Some(corners) = cut.corners(item, bit)
+            let mut corners = Corners::new();
+            cut.share(&next, |first, items| {
+                for (slot, item) in (first..cut.opaque_items).zip(items) {
+                    let mask = which(slot, item);
+                    count.fetch_add(mask.count_ones() as usize, Ordering::Relaxed);
+                    for bit in bits(mask) {
+                        if let Some(corners) = corners.of(cut, item, bit)
                             && let Some(area) = pixels(&corners, -grow, low, high)
                             && let Some(rows) = Rows::new(corners, -grow, area)
                         {
@@ -322,57 +387,60 @@ impl CpuCuller {
                         }
                     }
                 }
-            }
+            });
         });
-        let (all, others) = self.depths.split_first_mut().expect("there is a thread");
-        let all = all.get_mut().unwrap_or_else(PoisonError::into_inner);
-        for other in others {
-            let other = other.get_mut().unwrap_or_else(PoisonError::into_inner);
-            for (texel, depth) in all.texels.iter_mut().zip(&other.texels) {
-                *texel = texel.max(*depth);
-            }
-        }
-
-        let portions = cut.items.len().div_ceil(PORTION);
-        self.left.resize_with(portions.max(self.left.len()), Mutex::default);
-        for left in &mut self.left {
-            let left = left.get_mut().unwrap_or_else(PoisonError::into_inner);
-            left.packed.iter_mut().for_each(Vec::clear);
-        }
-        let depth = &*all;
-        next.store(0, Ordering::Relaxed);
-        let (left, now) = (&self.left, &self.now);
-        self.threads.broadcast(|_| {
-            while let Some(first) = portion(cut.items) {
-                let mut left = lock(&left[first / PORTION]);
-                for (slot, item) in cut.items.iter().enumerate().skip(first).take(PORTION) {
-                    let layer = usize::from(slot >= cut.opaque_items);
-                    let mut mask = 0;
-                    for bit in 0..item.count {
-                        let seen = cut
-                            .corners(item, bit)
-                            .is_none_or(|corners| may_be_seen(corners, grow, depth));
-                        mask |= u32::from(seen) << bit;
-                    }
-                    if mask != 0 {
-                        now[item.triangle as usize / 32]
-                            .fetch_or(mask << (item.triangle % 32), Ordering::Relaxed);
-                    }
-                    for bit in bits(mask) {
-                        let at = (item.triangle + bit) as usize * 3;
-                        let indices = &cut.tree.indices[at..at + 3];
-                        left.packed[layer].extend(indices.iter().map(|i| i + item.base_vertex));
-                    }
+        if let Some((all, others)) = self.depths.split_first() {
+            let mut all = lock(all);
+            for other in others {
+                for (texel, depth) in all.texels.iter_mut().zip(&lock(other).texels) {
+                    *texel = texel.max(*depth);
                 }
             }
+        }
+        count.into_inner()
+    }
+
+    /// Sets the masks to those of the triangles that may be seen, out of `which` of each item.
+    fn test(&self, cut: &Cut<'_>, which: impl Fn(usize, &Item) -> u32 + Sync) {
+        let grow = cut.grow();
+        let Some(depth) = self.depths.first().map(lock) else { return };
+        let (depth, next) = (&*depth, AtomicUsize::new(0));
+        self.threads.broadcast(|_| {
+            let mut corners = Corners::new();
+            cut.share(&next, |first, items| {
+                for (slot, item) in (first..).zip(items) {
+                    let seen = bits(which(slot, item)).filter(|&bit| {
+                        let corners = corners.of(cut, item, bit);
+                        corners.is_none_or(|corners| may_be_seen(corners, grow, depth))
+                    });
+                    let mask = seen.fold(0, |mask, bit| mask | 1 << bit);
+                    self.masks[slot].store(mask, Ordering::Relaxed);
+                }
+            });
+        });
+    }
+
+    /// Brings together the indices of what is left.
+    fn pack(&mut self, cut: &Cut<'_>) {
+        let portions = cut.items.len().div_ceil(PORTION);
+        self.packed.resize_with(portions.max(self.packed.len()), Mutex::default);
+        self.packed.iter_mut().flat_map(inner).for_each(Vec::clear);
+        let (packed, masks, next) = (&self.packed, &self.masks, AtomicUsize::new(0));
+        self.threads.broadcast(|_| {
+            cut.share(&next, |first, items| {
+                let mut packed = lock(&packed[first / PORTION]);
+                for (slot, item) in (first..).zip(items) {
+                    let layer = &mut packed[usize::from(slot >= cut.opaque_items)];
+                    let mask = masks[slot].load(Ordering::Relaxed);
+                    layer.extend(bits(mask).flat_map(|bit| cut.vertices(item, bit)));
+                }
+            });
         });
     }
 
     /// Indices of what is left of a layer, 0 opaque, 1 transparent, in parts.
     pub fn left(&mut self, layer: usize) -> impl Iterator<Item = &[u32]> {
-        self.left.iter_mut().map(move |left| {
-            &left.get_mut().unwrap_or_else(PoisonError::into_inner).packed[layer][..]
-        })
+        self.packed.iter_mut().map(move |packed| &inner(packed)[layer][..])
     }
 }
 
