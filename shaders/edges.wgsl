@@ -21,7 +21,8 @@ fn bend(near: vec2<f32>) -> f32 {
 // makes the bend a difference of tangents.
 fn edge(pixel: vec2<i32>) -> f32 {
     let m = depth_at(pixel);
-    if m <= 0.0 {
+    // Sky, or ground.
+    if m <= 1e-20 {
         return 0.0;
     }
     let a = depth_at(pixel + vec2<i32>(-1, 0));

@@ -15,8 +15,8 @@ fn ground_vertex(@builtin(vertex_index) index: u32) -> GroundOut {
     let place = corner * REACH * max(length(frame.half_extent), 1.0);
     let at = frame.middle + place;
     let clip = frame.clip_from_world * vec4<f32>(at.x, frame.ground, at.y, 1.0);
-    // Reversed depth: infinitely far, behind everything that was drawn.
-    return GroundOut(vec4<f32>(clip.xy, 0.0, clip.w), place);
+    // Reversed depth: behind everything that was drawn, before the sky.
+    return GroundOut(vec4<f32>(clip.xy, 1e-30 * clip.w, clip.w), place);
 }
 
 // How much of a pixel a grid line covers.

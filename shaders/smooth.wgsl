@@ -26,7 +26,7 @@ fn smooth_fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<
     let high = max(m, max(max(a, b), max(c, d)));
     // Even: most pixels.
     if high - low < max(0.04, high * 0.10) {
-        return vec4<f32>(center.rgb, 1.0);
+        return center;
     }
     var along = vec2<f32>((c + d) - (a + b), (a + c) - (b + d));
     let damp = max((a + b + c + d) * 0.03125, 1.0 / 128.0);
@@ -39,5 +39,5 @@ fn smooth_fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<
     // Outside the range of the neighbours the blend has met another edge.
     let l = luma(blend);
     let keep = l < low || l > high;
-    return vec4<f32>(select(blend.rgb, center.rgb, keep), 1.0);
+    return vec4<f32>(select(blend.rgb, center.rgb, keep), center.a);
 }

@@ -283,7 +283,7 @@ impl Renderer {
     /// What is shown: `Rgba8Unorm` holding sRGB-encoded colour, opaque (its alpha is at least 254 of
     /// 255), of the size of the last frame's view. A new texture after every change of that size.
     pub fn color_view(&self) -> &wgpu::TextureView {
-        &self.targets.output.view
+        &self.targets.scene.view
     }
 
     /// Size of the last picture in physical pixels.
@@ -317,11 +317,9 @@ impl Renderer {
     /// # Errors
     /// If the device fails or has no memory left.
     pub fn read_back(&mut self) -> Result<Picture, GpuError> {
-        let mut rgba = texture_bytes(&self.gpu, &self.targets.output.texture)?;
-        let scene = texture_bytes(&self.gpu, &self.targets.scene.texture)?;
-        // The scene's alpha is set by what was drawn, before any softening.
-        for (shown, drawn) in rgba.chunks_exact_mut(4).zip(scene.chunks_exact(4)) {
-            shown[3] = if drawn[3] == 255 { 255 } else { 0 };
+        let mut rgba = texture_bytes(&self.gpu, &self.targets.scene.texture)?;
+        for pixel in rgba.chunks_exact_mut(4) {
+            pixel[3] = if pixel[3] == 255 { 255 } else { 0 };
         }
         let size = self.targets.size;
         Ok(Picture { width: size.x, height: size.y, rgba })
@@ -384,11 +382,6 @@ impl Renderer {
         let from_above = uniform.sees_ground_from_above();
         let culled = culls && self.cull(&mut encoder, &uniform, view, offsets, covered);
         self.draw_scene(&mut encoder, mode, offsets, culled, from_above, finish.is_none());
-        encoder.copy_texture_to_texture(
-            self.targets.scene.texture.as_image_copy(),
-            self.targets.output.texture.as_image_copy(),
-            self.targets.output.texture.size(),
-        );
         if let Some(rectangle) = finish {
             self.draw_finish(&mut encoder, rectangle);
         }
@@ -486,10 +479,10 @@ impl Renderer {
                 self.draw_left(&mut pass, Layer::Opaque);
             }
         }
-        self.passes.sky.draw(&mut pass);
         if ground {
             self.passes.ground.draw(&mut pass);
         }
+        self.passes.sky.draw(&mut pass);
         if let Some(pool) = &self.pool {
             pass.set_pipeline(&self.passes.glass.placed);
             let at = offsets.map(|o| (o.element_transparent, o.cluster_transparent));
@@ -617,8 +610,11 @@ impl Renderer {
         }
     }
 
-    /// Smooths and lines a part of the shown picture, given as x, y, width and height.
+    /// Smooths and lines a part of the picture, given as x, y, width and height. What smooths cannot
+    /// write where it reads, so it works beside the picture, and the part is copied back.
     fn draw_finish(&self, encoder: &mut wgpu::CommandEncoder, [x, y, w, h]: [u32; 4]) {
+        let smooths = self.passes.smooth.is_some();
+        let target = if smooths { &self.targets.smoothed } else { &self.targets.scene };
         let depth = (self.passes.samples == 1).then_some(wgpu::RenderPassDepthStencilAttachment {
             view: &self.targets.depth.view,
             // Read only: the edges read it as a texture, too.
@@ -628,7 +624,7 @@ impl Renderer {
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("finish"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view: &self.targets.output.view,
+                view: &target.view,
                 depth_slice: None,
                 resolve_target: None,
                 ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
@@ -643,6 +639,15 @@ impl Renderer {
         }
         if self.options.edges > 0.0 {
             self.passes.edges.draw(&mut pass, &self.groups.edges);
+        }
+        drop(pass);
+        if smooths {
+            let extent = wgpu::Extent3d { width: w, height: h, depth_or_array_layers: 1 };
+            encoder.copy_texture_to_texture(
+                self.targets.smoothed.part(x, y),
+                self.targets.scene.part(x, y),
+                extent,
+            );
         }
     }
 }

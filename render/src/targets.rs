@@ -1,7 +1,7 @@
 //! The textures that a frame is drawn into.
 
 use crate::gpu::Gpu;
-use crate::passes::{DEPTH_FORMAT, OUTPUT_FORMAT, SCENE_FORMAT};
+use crate::passes::{DEPTH_FORMAT, SCENE_FORMAT};
 use glam::UVec2;
 use wgpu::TextureUsages;
 
@@ -12,6 +12,14 @@ pub(crate) struct Target {
     pub view: wgpu::TextureView,
 }
 
+impl Target {
+    /// From a pixel on.
+    pub fn part(&self, x: u32, y: u32) -> wgpu::TexelCopyTextureInfo<'_> {
+        let origin = wgpu::Origin3d { x, y, z: 0 };
+        wgpu::TexelCopyTextureInfo { origin, ..self.texture.as_image_copy() }
+    }
+}
+
 /// Textures of one size.
 #[derive(Debug)]
 pub(crate) struct Targets {
@@ -19,18 +27,17 @@ pub(crate) struct Targets {
     pub samples: u32,
     /// Several samples a pixel; only where there is more than one.
     pub many: Option<Target>,
-    /// The scene, one sample a pixel.
+    /// What is shown, one sample a pixel.
     pub scene: Target,
     pub depth: Target,
-    /// What is shown.
-    pub output: Target,
+    /// Where a part of the picture is smoothed.
+    pub smoothed: Target,
 }
 
 impl Targets {
     pub fn new(gpu: &Gpu, size: UVec2, samples: u32) -> Self {
         let attachment = TextureUsages::RENDER_ATTACHMENT;
         let readable = attachment | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
-        let output = readable | TextureUsages::COPY_DST;
         let target = |label, format, samples, usage| {
             let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
@@ -53,9 +60,9 @@ impl Targets {
             size,
             samples,
             many: (samples > 1).then(|| target("scene samples", SCENE_FORMAT, samples, attachment)),
-            scene: target("scene", SCENE_FORMAT, 1, readable),
+            scene: target("scene", SCENE_FORMAT, 1, readable | TextureUsages::COPY_DST),
             depth: target("depth", DEPTH_FORMAT, samples, depth_usage),
-            output: target("output", OUTPUT_FORMAT, 1, output),
+            smoothed: target("smoothed", SCENE_FORMAT, 1, attachment | TextureUsages::COPY_SRC),
         }
     }
 

@@ -14,6 +14,8 @@ const SNAP_PX: f32 = 1.0 / 64.0;
 const DEPTH_SLACK: f32 = 1e-5;
 /// Items that a thread takes at a time.
 const PORTION: usize = 64;
+/// Pixels across, below which they are looked at one by one.
+const FEW: i32 = 4;
 /// More threads than this only wait for each other.
 const MOST_THREADS: usize = 4;
 
@@ -53,15 +55,13 @@ impl Screen {
         Self { clip_from_world, half_size: size.as_vec2() * 0.5, near }
     }
 
-    /// Pixels from the upper left and reversed depth; `None` before the near plane.
-    fn corner(&self, position: [f32; 3]) -> Option<Vec3> {
+    /// Pixels from the upper left and reversed depth; not a number before the near plane.
+    fn corner(&self, position: [f32; 3]) -> Vec3 {
         let clip = self.clip_from_world * Vec3::from(position).extend(1.0);
-        if clip.w <= self.near {
-            return None;
-        }
-        let ndc = clip.truncate() / clip.w;
+        let scale = if clip.w > self.near { 1.0 / clip.w } else { f32::NAN };
+        let ndc = clip.truncate() * scale;
         let at = Vec2::new(1.0 + ndc.x, 1.0 - ndc.y) * self.half_size;
-        Some(at.extend(ndc.z))
+        at.extend(ndc.z)
     }
 }
 
@@ -205,6 +205,30 @@ impl Rows {
     }
 }
 
+/// The same, for a few pixels one by one, which saves the divisions of [`Rows`].
+fn covers_one_of_few(
+    [p, q, r]: [Vec3; 3],
+    grow: f32,
+    depth: &Depth,
+    [low, high]: [IVec2; 2],
+) -> bool {
+    let (across, over) = (q - p, r - p);
+    let area = across.x * over.y - across.y * over.x;
+    let edge = |a: Vec3, b: Vec3| {
+        let along = (b - a).truncate() * area.signum();
+        (a.truncate(), along, -grow * (along.x.abs() + along.y.abs()))
+    };
+    let edges = [edge(p, q), edge(q, r), edge(r, p)];
+    let nearest = p.z.max(q.z).max(r.z) * (1.0 + DEPTH_SLACK);
+    (low.y..=high.y).any(|y| {
+        depth.texels[depth.row(y, [low.x, high.x])].iter().zip(low.x..).any(|(&occluder, x)| {
+            let at = Vec2::new(x as f32, y as f32) + 0.5;
+            occluder <= nearest
+                && edges.iter().all(|(from, along, least)| along.perp_dot(at - from) >= *least)
+        })
+    })
+}
+
 /// Whether a triangle covers a pixel at which nothing of the occluders is nearer.
 fn may_be_seen(corners: [Vec3; 3], grow: f32, depth: &Depth) -> bool {
     let Some([low, high]) = pixels(&corners, grow, depth.low, depth.high) else {
@@ -217,33 +241,53 @@ fn may_be_seen(corners: [Vec3; 3], grow: f32, depth: &Depth) -> bool {
     if (low.y..=high.y).all(behind) {
         return false;
     }
+    let extent = high - low;
+    if extent.x < FEW && extent.y < FEW {
+        return covers_one_of_few(corners, grow, depth, [low, high]);
+    }
     Rows::new(corners, grow, [low, high]).is_some_and(|rows| rows.may_be_seen(depth))
 }
 
-/// Corners that were brought to the picture; neighbouring triangles share them.
+/// Corners of an item's triangles on the picture.
 struct Corners {
-    known: [(u32, Option<Vec3>); Self::KNOWN],
+    /// Those of the vertices from `first` on; not a number before the near plane.
+    at: Vec<Vec3>,
+    first: u32,
 }
 
 impl Corners {
-    const KNOWN: usize = 64;
+    /// Vertices of an item that are brought to the picture together, whether they are needed or not.
+    const MOST: u32 = 256;
 
     fn new() -> Self {
-        Self { known: [(u32::MAX, None); Self::KNOWN] }
+        Self { at: Vec::with_capacity(Self::MOST as usize), first: 0 }
     }
 
-    fn corner(&mut self, cut: &Cut<'_>, vertex: u32) -> Option<Vec3> {
-        let known = &mut self.known[vertex as usize % Self::KNOWN];
-        if known.0 != vertex {
-            *known = (vertex, cut.screen.corner(cut.tree.vertices[vertex as usize].position));
+    /// Brings all vertices between the first and the last of an item to the picture: neighbours share
+    /// them, so most are needed. Where they are far apart, each is brought when it is asked for.
+    fn set(&mut self, cut: &Cut<'_>, item: &Item, mask: u32) {
+        self.at.clear();
+        let from = item.triangle as usize * 3;
+        let indices = &cut.tree.indices[from..from + item.count as usize * 3];
+        let range = indices.iter().fold((u32::MAX, 0), |r, &i| (r.0.min(i), r.1.max(i)));
+        if range.1 - range.0 < Self::MOST.min(mask.count_ones() * 4) {
+            self.first = range.0 + item.base_vertex;
+            let range = self.first as usize..(range.1 + item.base_vertex) as usize + 1;
+            let vertices = &cut.tree.vertices[range];
+            self.at.extend(vertices.iter().map(|vertex| cut.screen.corner(vertex.position)));
         }
-        known.1
     }
 
-    /// The corners of one of an item's triangles; `None` where it reaches before the near plane.
-    fn of(&mut self, cut: &Cut<'_>, item: &Item, bit: u32) -> Option<[Vec3; 3]> {
-        let [a, b, c] = cut.vertices(item, bit);
-        Some([self.corner(cut, a)?, self.corner(cut, b)?, self.corner(cut, c)?])
+    /// The corners of one of the item's triangles; `None` where it reaches before the near plane.
+    fn of(&self, cut: &Cut<'_>, item: &Item, bit: u32) -> Option<[Vec3; 3]> {
+        let corners = cut.vertices(item, bit).map(|vertex| {
+            let known = self.at.get(vertex.wrapping_sub(self.first) as usize);
+            known
+                .copied()
+                .unwrap_or_else(|| cut.screen.corner(cut.tree.vertices[vertex as usize].position))
+        });
+        let [a, b, c] = corners;
+        (!(a.z + b.z + c.z).is_nan()).then_some(corners)
     }
 }
 
@@ -377,7 +421,11 @@ impl CpuCuller {
             cut.share(&next, |first, items| {
                 for (slot, item) in (first..cut.opaque_items).zip(items) {
                     let mask = which(slot, item);
+                    if mask == 0 {
+                        continue;
+                    }
                     count.fetch_add(mask.count_ones() as usize, Ordering::Relaxed);
+                    corners.set(cut, item, mask);
                     for bit in bits(mask) {
                         if let Some(corners) = corners.of(cut, item, bit)
                             && let Some(area) = pixels(&corners, -grow, low, high)
@@ -409,7 +457,9 @@ impl CpuCuller {
             let mut corners = Corners::new();
             cut.share(&next, |first, items| {
                 for (slot, item) in (first..).zip(items) {
-                    let seen = bits(which(slot, item)).filter(|&bit| {
+                    let which = which(slot, item);
+                    corners.set(cut, item, which);
+                    let seen = bits(which).filter(|&bit| {
                         let corners = corners.of(cut, item, bit);
                         corners.is_none_or(|corners| may_be_seen(corners, grow, depth))
                     });

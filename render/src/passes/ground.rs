@@ -9,7 +9,7 @@ pub(super) const SHADER: &str = concat!(
     include_str!("../../../shaders/ground.wgsl"),
 );
 
-/// One square around the scene at infinite depth, over the sky.
+/// One square around the scene, behind everything but the sky, which it leaves out.
 #[derive(Debug)]
 pub(crate) struct Ground {
     pipeline: wgpu::RenderPipeline,
@@ -25,7 +25,7 @@ impl Ground {
             vertices: Vertices::None,
             topology: wgpu::PrimitiveTopology::TriangleStrip,
             blend: None,
-            write_depth: false,
+            write_depth: true,
             compare: wgpu::CompareFunction::GreaterEqual,
         }
         .build(gpu, bindings, samples);

@@ -23,8 +23,6 @@ use std::borrow::Cow;
 pub(crate) const SCENE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Reversed: 1 near, 0 infinitely far.
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
-/// What is shown; the same as what the scene is drawn into, since that is copied into it.
-pub(crate) const OUTPUT_FORMAT: wgpu::TextureFormat = SCENE_FORMAT;
 
 /// The text of every shader as it is compiled, with its name. The tests validate each.
 #[cfg(test)]
@@ -219,7 +217,8 @@ struct ScreenPipeline<'a> {
     shader: &'static str,
     fragment: &'a str,
     blend: Option<wgpu::BlendState>,
-    /// Test against the scene's depth of a triangle at infinite depth; `None` without attachment.
+    /// Test against the scene's depth of a triangle between everything solid and ground and sky; `None`
+    /// without attachment.
     depth: Option<wgpu::CompareFunction>,
 }
 
@@ -254,7 +253,7 @@ impl ScreenPipeline<'_> {
                 entry_point: Some(self.fragment),
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 targets: &[Some(wgpu::ColorTargetState {
-                    format: OUTPUT_FORMAT,
+                    format: SCENE_FORMAT,
                     blend: self.blend,
                     write_mask: wgpu::ColorWrites::ALL,
                 })],
