@@ -189,7 +189,7 @@ pub struct Cell {
     pub gpu_ms: Option<f64>,
     /// Draw commands.
     pub draws: u64,
-    /// Triangles drawn.
+    /// Triangles of everything in the frame's cut.
     pub triangles: u64,
     /// Triangles of clusters that [`topout_render::Options::occlusion`] left to draw; the others of the cut
     /// nobody sees. `None` where none are left out, or only the adapter knows.

@@ -366,6 +366,8 @@ impl Renderer {
     fn encode(&mut self, view: &View, mode: DrawMode) {
         let uniform = FrameUniform::new(view, &self.bounds, self.ground, self.options.edges);
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
+        let covered = covered_rectangle(&uniform, &self.bounds, view.tolerance_px);
+        let culled = self.prepare_culling(&uniform, covered);
         let indirect =
             mode != DrawMode::Objects && self.gpu.has(wgpu::Features::INDIRECT_FIRST_INSTANCE);
         let offsets = indirect.then(|| self.write_commands()).flatten();
@@ -374,13 +376,13 @@ impl Renderer {
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         // Only where the scene can be is there anything to smooth or to line.
-        let culls = self.culler.as_ref().is_some_and(|c| c.triangles() > 0);
-        let covered = covered_rectangle(&uniform, &self.bounds, view.tolerance_px);
-        let anything = self.list.elements.len() + self.list.clusters.len() > 0 || culls;
+        let anything = self.list.elements.len() + self.list.clusters.len() > 0 || culled;
         let finish = covered
             .filter(|_| anything && (self.passes.smooth.is_some() || self.options.edges > 0.0));
         let from_above = uniform.sees_ground_from_above();
-        let culled = culls && self.cull(&mut encoder, &uniform, view, offsets, covered);
+        if culled {
+            self.record_culling(&mut encoder, &uniform, offsets, covered);
+        }
         self.draw_scene(&mut encoder, mode, offsets, culled, from_above, finish.is_none());
         if let Some(rectangle) = finish {
             self.draw_finish(&mut encoder, rectangle);
@@ -457,14 +459,7 @@ impl Renderer {
                     store,
                 },
             })],
-            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                view: &self.targets.depth.view,
-                depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Store,
-                }),
-                stencil_ops: None,
-            }),
+            depth_stencil_attachment: Some(self.cleared_depth()),
             timestamp_writes: self.timer.as_ref().and_then(|t| t.stamps(first, last)),
             ..Default::default()
         });
@@ -504,61 +499,80 @@ impl Renderer {
         }
     }
 
-    /// Finds out what of the clusters may be seen; false where there is nothing to draw.
-    fn cull(
+    /// A frame as culling needs it; `None` where there are no clusters to draw.
+    fn cull_frame(
+        &self,
+        uniform: &FrameUniform,
+        covered: Option<[u32; 4]>,
+    ) -> Option<cull::Frame<'_>> {
+        Some(cull::Frame {
+            uniform: &self.frame,
+            clip_from_world: uniform.clip_from_world,
+            size: self.targets.size,
+            samples: self.passes.samples,
+            covered: covered?,
+            depth: &self.targets.depth.view,
+            tree: self.hdlod.as_ref()?,
+            geometry: self.pool.as_ref()?.clusters.as_ref()?,
+            stamp: self.timer.as_ref().map(GpuTimer::first_of_kernels),
+        })
+    }
+
+    /// Prepares culling; whether there is something to cull. Where the GPU has no room for it, everything is
+    /// drawn from now on.
+    fn prepare_culling(&mut self, uniform: &FrameUniform, covered: Option<[u32; 4]>) -> bool {
+        let Some(mut culler) = self.culler.take_if(|culler| culler.triangles() > 0) else {
+            return false;
+        };
+        let done = self.cull_frame(uniform, covered).map(|frame| culler.prepare(&self.gpu, &frame));
+        if let Some(Err(error)) = &done {
+            tracing::warn!("{error}; drawing also what nobody sees");
+            if let Some(pool) = &self.pool {
+                self.list.push_spans(&culler.spans(), pool.identity);
+            }
+            return false;
+        }
+        self.culler = Some(culler);
+        done.is_some()
+    }
+
+    /// The commands of culling, where the GPU does it.
+    fn record_culling(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
         uniform: &FrameUniform,
-        view: &View,
         offsets: Option<CommandOffsets>,
         covered: Option<[u32; 4]>,
-    ) -> bool {
-        let (Some(covered), Some(tree), Some(pool)) = (covered, &self.hdlod, &self.pool) else {
-            return false;
-        };
-        let (Some(mut culler), Some(geometry)) = (self.culler.take(), &pool.clusters) else {
-            return false;
-        };
-        let frame = cull::Frame {
-            uniform: &self.frame,
-            clip_from_world: uniform.clip_from_world,
-            near: view.near(),
-            size: view.size,
-            samples: self.passes.samples,
-            covered,
-            depth: &self.targets.depth.view,
-            tree,
-            geometry,
-            stamp: self.timer.as_ref().map(GpuTimer::first_of_kernels),
-        };
-        let done = culler.cull(&self.gpu, &frame, encoder, |encoder, draw| {
-            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
-                label: Some("occluders"),
-                color_attachments: &[],
-                depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
-                    view: &self.targets.depth.view,
-                    depth_ops: Some(wgpu::Operations {
-                        load: wgpu::LoadOp::Clear(0.0),
-                        store: wgpu::StoreOp::Store,
-                    }),
-                    stencil_ops: None,
-                }),
-                ..Default::default()
+    ) {
+        let Some(mut culler) = self.culler.take() else { return };
+        if let (Some(frame), Some(pool)) = (self.cull_frame(uniform, covered), &self.pool) {
+            culler.record(&self.gpu, &frame, encoder, |encoder, draw| {
+                let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                    label: Some("occluders"),
+                    color_attachments: &[],
+                    depth_stencil_attachment: Some(self.cleared_depth()),
+                    ..Default::default()
+                });
+                pass.set_bind_group(0, &self.scene_group, &[]);
+                pass.set_pipeline(&self.passes.solid.occluder_placed);
+                let at = offsets.map(|o| (o.element_opaque, o.cluster_opaque));
+                let elements = &self.list.elements.opaque;
+                self.draw_layer(&mut pass, pool, DrawMode::Hdlod, elements, &[], at);
+                pass.set_pipeline(&self.passes.solid.occluder_fixed);
+                draw(&mut pass);
             });
-            pass.set_bind_group(0, &self.scene_group, &[]);
-            pass.set_pipeline(&self.passes.solid.occluder_placed);
-            let at = offsets.map(|o| (o.element_opaque, o.cluster_opaque));
-            self.draw_layer(&mut pass, pool, DrawMode::Hdlod, &self.list.elements.opaque, &[], at);
-            pass.set_pipeline(&self.passes.solid.occluder_fixed);
-            draw(&mut pass);
-        });
+        }
         self.culler = Some(culler);
-        match done {
-            Ok(()) => true,
-            Err(error) => {
-                tracing::warn!("{error}; drawing without leaving out what nobody sees");
-                false
-            }
+    }
+
+    fn cleared_depth(&self) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+        wgpu::RenderPassDepthStencilAttachment {
+            view: &self.targets.depth.view,
+            depth_ops: Some(wgpu::Operations {
+                load: wgpu::LoadOp::Clear(0.0),
+                store: wgpu::StoreOp::Store,
+            }),
+            stencil_ops: None,
         }
     }
 

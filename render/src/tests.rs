@@ -106,6 +106,42 @@ fn culling_is_laid_out_alike() {
     }
 }
 
+/// Cut where words of the tables of bits begin, spans still name each triangle once: what is drawn where
+/// there is no room to cull is what would have been culled.
+#[test]
+fn spans_survive_being_cut() {
+    use topout_scene::Layer;
+    use topout_scene::hdlod::Span;
+    let gpu = crate::Gpu::headless().unwrap();
+    let mut culler = crate::cull::Culler::new(&gpu, crate::Occlusion::Cpu, 1).unwrap().unwrap();
+    let span = |first: u32, count: u32, base_vertex, layer| Span {
+        first_index: first * 3,
+        index_count: count * 3,
+        base_vertex,
+        layer,
+    };
+    let spans = [
+        span(30, 100, 7, Layer::Opaque),
+        span(400, 1, 9, Layer::Transparent),
+        span(160, 32, 8, Layer::Opaque),
+    ];
+    culler.set_spans(&spans);
+    let triangles = |spans: &[Span]| {
+        let of = |s: &Span| {
+            let first = s.first_index / 3;
+            let (base, glass) = (s.base_vertex, s.layer == Layer::Transparent);
+            (first..first + s.index_count / 3).map(move |t| (t, base, glass))
+        };
+        let mut all: Vec<_> = spans.iter().flat_map(of).collect();
+        all.sort_unstable();
+        all
+    };
+    let cut = culler.spans();
+    assert!(cut.len() > spans.len() && cut.iter().all(|s| s.index_count <= 96));
+    assert_eq!(triangles(&cut), triangles(&spans));
+    assert_eq!(culler.triangles(), 133);
+}
+
 /// The vertex shader's inputs are the pool's attributes: position, then one word with the normal in
 /// the lower and the material in the upper half, then the three rows of the instance.
 #[test]

@@ -1,5 +1,5 @@
 // What the kernels share that leave out triangles which nobody sees. The twin of CullUniform in
-// render/src/cull/mod.rs.
+// render/src/cull/gpu.rs.
 
 struct Cull {
     // Part of the picture that the scene can cover, pixels: first, and one past the last.
@@ -22,4 +22,9 @@ struct Item {
     count: u32,
     // Added to the indices.
     base_vertex: u32,
+}
+
+// Rows of workgroups of 64 threads, one after the other.
+fn thread_index(id: vec3<u32>, groups: vec3<u32>) -> u32 {
+    return id.y * groups.x * 64u + id.x;
 }

@@ -62,7 +62,7 @@ fn pack(
     @builtin(global_invocation_id) id: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
 ) {
-    let slot = id.y * groups.x * 64u + id.x;
+    let slot = thread_index(id, groups);
     if slot >= cull.items {
         return;
     }

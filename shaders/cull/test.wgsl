@@ -10,22 +10,28 @@
 @group(0) @binding(7) var<storage, read_write> masks: array<atomic<u32>>;
 @group(0) @binding(8) var<storage, read_write> seen: array<atomic<u32>>;
 
-// Rasterizers move corners to a grid of 1/256 pixel, and clip space is rounded.
+// Rasterizers move corners to a grid, of 1/16 pixel at the coarsest, and clip space is rounded.
 const SNAP_PX: f32 = 0.0625;
 // Relative, what depths may differ by because of rounding.
 const DEPTH_SLACK: f32 = 1.00001;
-// Pixels across up to which single ones are looked at.
+// Pixels across, below which they are looked at one by one.
 const SMALL: i32 = 4;
 
 fn corner(index: u32) -> vec4<f32> {
     return frame.clip_from_world * vec4<f32>(vertices[index].xyz, 1.0);
 }
 
-// Twice the signed area of the triangle a, b, p, with the longest distance of `slack` along.
+// Whether p lies on the inner side of the edge, or at most SNAP_PX outside along either axis. `turn`: 1
+// where the triangle turns left in the picture's axes, else -1.
 fn inside(a: vec2<f32>, b: vec2<f32>, p: vec2<f32>, turn: f32) -> bool {
     let edge = b - a;
     let side = (edge.x * (p.y - a.y) - edge.y * (p.x - a.x)) * turn;
     return side >= -SNAP_PX * (abs(edge.x) + abs(edge.y));
+}
+
+// At the near or far plane.
+fn clipped(v: vec4<f32>) -> bool {
+    return v.z > v.w || v.z < 0.0;
 }
 
 fn may_be_seen(triangle: u32, base: u32) -> bool {
@@ -33,7 +39,7 @@ fn may_be_seen(triangle: u32, base: u32) -> bool {
     let a = corner(base + indices[at]);
     let b = corner(base + indices[at + 1u]);
     let c = corner(base + indices[at + 2u]);
-    if frame.parallel < 0.5 && min(a.w, min(b.w, c.w)) <= frame.near {
+    if clipped(a) || clipped(b) || clipped(c) {
         return true;
     }
     let half = vec2<f32>(0.5, -0.5) * frame.size;
@@ -93,7 +99,7 @@ fn test_triangles(
     @builtin(global_invocation_id) id: vec3<u32>,
     @builtin(num_workgroups) groups: vec3<u32>,
 ) {
-    let thread = id.y * groups.x * 64u + id.x;
+    let thread = thread_index(id, groups);
     let slot = thread >> 5u;
     let bit = thread & 31u;
     if slot >= cull.items {

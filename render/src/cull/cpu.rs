@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use topout_scene::Hdlod;
 
-/// Pixels by which edges may be moved: rasterizers bring corners onto a grid of 1/256 pixel.
+/// Pixels by which edges may be moved: software adapters bring corners onto a grid of 1/256 pixel.
 const SNAP_PX: f32 = 1.0 / 64.0;
 /// Relative, what depths may differ by because of rounding.
 const DEPTH_SLACK: f32 = 1e-5;
@@ -47,18 +47,18 @@ impl Depth {
 pub(super) struct Screen {
     clip_from_world: Mat4,
     half_size: Vec2,
-    near: f32,
 }
 
 impl Screen {
-    pub fn new(clip_from_world: Mat4, size: UVec2, near: f32) -> Self {
-        Self { clip_from_world, half_size: size.as_vec2() * 0.5, near }
+    pub fn new(clip_from_world: Mat4, size: UVec2) -> Self {
+        Self { clip_from_world, half_size: size.as_vec2() * 0.5 }
     }
 
-    /// Pixels from the upper left and reversed depth; not a number before the near plane.
+    /// Pixels from the upper left and reversed depth; not a number before the near or behind the far plane,
+    /// where the GPU clips.
     fn corner(&self, position: [f32; 3]) -> Vec3 {
         let clip = self.clip_from_world * Vec3::from(position).extend(1.0);
-        let scale = if clip.w > self.near { 1.0 / clip.w } else { f32::NAN };
+        let scale = if (0.0..=clip.w).contains(&clip.z) { 1.0 / clip.w } else { f32::NAN };
         let ndc = clip.truncate() * scale;
         let at = Vec2::new(1.0 + ndc.x, 1.0 - ndc.y) * self.half_size;
         at.extend(ndc.z)
@@ -185,7 +185,7 @@ impl Rows {
             let mut here = self.depth_at(x[0], y) - self.slack;
             let range = depth.row(y, x);
             for texel in &mut depth.texels[range] {
-                *texel = texel.max(here.clamp(self.farthest * (1.0 - DEPTH_SLACK), self.nearest));
+                *texel = texel.max(here.max(self.farthest * (1.0 - DEPTH_SLACK)).min(self.nearest));
                 here += self.slope.x;
             }
         }
@@ -250,7 +250,7 @@ fn may_be_seen(corners: [Vec3; 3], grow: f32, depth: &Depth) -> bool {
 
 /// Corners of an item's triangles on the picture.
 struct Corners {
-    /// Those of the vertices from `first` on; not a number before the near plane.
+    /// Those of the vertices from `first` on; not a number where they are clipped.
     at: Vec<Vec3>,
     first: u32,
 }
@@ -278,7 +278,7 @@ impl Corners {
         }
     }
 
-    /// The corners of one of the item's triangles; `None` where it reaches before the near plane.
+    /// The corners of one of the item's triangles; `None` where it is clipped at the near or far plane.
     fn of(&self, cut: &Cut<'_>, item: &Item, bit: u32) -> Option<[Vec3; 3]> {
         let corners = cut.vertices(item, bit).map(|vertex| {
             let known = self.at.get(vertex.wrapping_sub(self.first) as usize);
@@ -540,6 +540,29 @@ mod tests {
             + share(c, a) * f64::from(b.z)
             + share(a, b) * f64::from(c.z);
         (inside, depth)
+    }
+
+    /// What the GPU clips at the near or far plane is known as such, in both projections: it hides nothing.
+    #[test]
+    fn what_is_clipped_is_no_number() {
+        use topout_scene::{Projection, View};
+        let mut view = View {
+            eye: Vec3::ZERO,
+            target: Vec3::NEG_Z,
+            up: Vec3::Y,
+            projection: Projection::Perspective { fov_y: View::FOV_Y },
+            size: UVec2::splat(SIZE as u32),
+            tolerance_px: 1.0,
+        };
+        let corner = |view: &View, z: f32| {
+            Screen::new(view.clip_from_world(10.0), view.size).corner([0.0, 0.0, z])
+        };
+        assert!(corner(&view, -0.5 * view.near()).is_nan() && corner(&view, 5.0).is_nan());
+        assert_eq!(corner(&view, -5.0).truncate(), Vec2::splat(SIZE as f32 / 2.0));
+        assert!(!corner(&view, -1e6).is_nan());
+        view.projection = Projection::Orthographic { height: 4.0 };
+        assert!(corner(&view, -11.0).is_nan() && corner(&view, 11.0).is_nan());
+        assert!(!corner(&view, -9.0).is_nan() && !corner(&view, 9.0).is_nan());
     }
 
     fn every_pixel() -> impl Iterator<Item = (i32, i32)> {

@@ -82,7 +82,6 @@ pub(crate) struct Culler {
 pub(crate) struct Frame<'a> {
     pub uniform: &'a wgpu::Buffer,
     pub clip_from_world: Mat4,
-    pub near: f32,
     pub size: UVec2,
     pub samples: u32,
     /// x, y, width and height of the part of the picture where the scene can be.
@@ -95,6 +94,8 @@ pub(crate) struct Frame<'a> {
 }
 
 impl Culler {
+    /// `None` where nothing is to be left out, or the adapter cannot run the kernels.
+    ///
     /// # Errors
     /// If the GPU has no room.
     pub fn new(gpu: &Gpu, occlusion: Occlusion, samples: u32) -> Result<Option<Self>, GpuError> {
@@ -157,24 +158,29 @@ impl Culler {
         cut_at_words(spans, Layer::Transparent, &mut self.items);
     }
 
-    /// Finds out what may be seen. `draw_occluders` draws depth alone, of elements and by what it is given.
+    /// The spans again, in parts.
+    pub fn spans(&self) -> Vec<Span> {
+        let span = |(slot, item): (usize, &Item)| Span {
+            first_index: item.triangle * 3,
+            index_count: item.count * 3,
+            base_vertex: item.base_vertex,
+            layer: if slot < self.opaque_items { Layer::Opaque } else { Layer::Transparent },
+        };
+        self.items.iter().enumerate().map(span).collect()
+    }
+
+    /// Finds out what may be seen, or brings to the GPU what [`Self::record`] needs for that.
     ///
     /// # Errors
     /// If the GPU has no room.
-    pub fn cull(
-        &mut self,
-        gpu: &Gpu,
-        frame: &Frame<'_>,
-        encoder: &mut wgpu::CommandEncoder,
-        draw_occluders: impl FnOnce(&mut wgpu::CommandEncoder, &dyn Fn(&mut wgpu::RenderPass<'_>)),
-    ) -> Result<(), GpuError> {
+    pub fn prepare(&mut self, gpu: &Gpu, frame: &Frame<'_>) -> Result<(), GpuError> {
         match &mut self.way {
             Way::Cpu { culler, packed, counts } => {
                 culler.cull(&Cut {
                     items: &self.items,
                     opaque_items: self.opaque_items,
                     tree: frame.tree,
-                    screen: Screen::new(frame.clip_from_world, frame.size, frame.near),
+                    screen: Screen::new(frame.clip_from_world, frame.size),
                     samples: frame.samples,
                     covered: frame.covered,
                 });
@@ -190,23 +196,35 @@ impl Culler {
                     }
                 }
             }
-            Way::Gpu { culler, kernels } => {
+            Way::Gpu { culler, .. } => {
                 culler.upload(gpu, frame, &self.items, self.opaque_items, self.triangles)?;
-                let items = self.items.len() as u64;
-                let inputs = Inputs {
-                    frame: frame.uniform,
-                    depth: frame.depth,
-                    vertices: &frame.geometry.vertices,
-                    indices: &frame.geometry.indices,
-                    stamp: frame.stamp.clone(),
-                };
-                culler.recall(gpu, kernels, &inputs, items, encoder);
-                let (drawn, geometry) = (culler.drawn(), frame.geometry);
-                draw_occluders(encoder, &|pass| draw_commands(pass, geometry, drawn, 0));
-                culler.test(gpu, kernels, &inputs, items, frame.covered, encoder);
             }
         }
         Ok(())
+    }
+
+    /// Where the GPU finds out, its commands for that. `draw_occluders` draws depth alone, of elements and
+    /// by what it is given.
+    pub fn record(
+        &mut self,
+        gpu: &Gpu,
+        frame: &Frame<'_>,
+        encoder: &mut wgpu::CommandEncoder,
+        draw_occluders: impl FnOnce(&mut wgpu::CommandEncoder, &dyn Fn(&mut wgpu::RenderPass<'_>)),
+    ) {
+        let Way::Gpu { culler, kernels } = &mut self.way else { return };
+        let items = self.items.len() as u64;
+        let inputs = Inputs {
+            frame: frame.uniform,
+            depth: frame.depth,
+            vertices: &frame.geometry.vertices,
+            indices: &frame.geometry.indices,
+            stamp: frame.stamp.clone(),
+        };
+        culler.recall(gpu, kernels, &inputs, items, encoder);
+        let (drawn, geometry) = (culler.drawn(), frame.geometry);
+        draw_occluders(encoder, &|pass| draw_commands(pass, geometry, drawn, 0));
+        culler.test(gpu, kernels, &inputs, items, frame.covered, encoder);
     }
 
     /// Draws what is left of a layer with the pipeline that is set.
