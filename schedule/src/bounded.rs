@@ -3,6 +3,7 @@
 use crate::{StepFunction, Time};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
+use std::ops::RangeInclusive;
 
 /// What is known of a share: it lies in `lo..=hi`.
 #[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
@@ -35,9 +36,34 @@ impl Share {
 /// Rule: `shares[i]` holds from `times[i - 1]` (included) to `times[i]` (excluded); `shares[0]`
 /// before everything. Times increase strictly; neighbouring shares differ; 0 <= lo <= hi <= 1.
 #[derive(Clone, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
+#[serde(from = "Steps")]
 pub struct BoundedStep {
     times: Box<[Time]>,
     shares: Box<[Share]>,
+    /// From the first instant at which something may be there to the last.
+    #[serde(skip)]
+    hull: RangeInclusive<Time>,
+}
+
+/// What a [`BoundedStep`] is written as.
+#[derive(serde::Deserialize)]
+struct Steps {
+    times: Box<[Time]>,
+    shares: Box<[Share]>,
+}
+
+impl From<Steps> for BoundedStep {
+    fn from(Steps { times, shares }: Steps) -> Self {
+        let some = |share: &Share| share.hi > 0.0;
+        let from = match shares.iter().position(some) {
+            Some(0) => Time::MIN,
+            Some(i) => times.get(i - 1).copied().unwrap_or(Time::MAX),
+            None => return Self { times, shares, hull: Time::MAX..=Time::MIN },
+        };
+        let until = shares.iter().rposition(some).and_then(|i| times.get(i));
+        let hull = from..=until.map_or(Time::MAX, |until| until.plus_seconds(-1));
+        Self { times, shares, hull }
+    }
 }
 
 impl BoundedStep {
@@ -56,7 +82,13 @@ impl BoundedStep {
 
     /// The same share at all times.
     pub fn constant(share: f32) -> Self {
-        Self { times: Box::default(), shares: [Share::exactly(share)].into() }
+        Steps { times: Box::default(), shares: [Share::exactly(share)].into() }.into()
+    }
+
+    /// False only where nothing is there: before the first and after the last instant with something.
+    /// O(1), and without a look at the steps.
+    pub fn may_be_present(&self, time: Time) -> bool {
+        self.hull.contains(&time)
     }
 
     /// What is known of the share at `time`; O(log k), and one comparison from
@@ -205,6 +237,6 @@ impl Spans {
                 shares.push(span.share);
             }
         }
-        BoundedStep { times: times.into(), shares: shares.into() }
+        Steps { times: times.into(), shares: shares.into() }.into()
     }
 }

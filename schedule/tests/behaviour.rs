@@ -217,6 +217,11 @@ proptest! {
             if exact.times().len() <= steps {
                 prop_assert_eq!(known, Share::exactly(value));
             }
+            prop_assert!(known.hi <= 0.0 || bounded.may_be_present(t(s)));
+            let later = bounded.times().iter().any(|&at| at > t(s));
+            let ever = bounded.shares().iter().any(|share| share.hi > 0.0);
+            prop_assert!(later || known.hi > 0.0 || !bounded.may_be_present(t(s)));
+            prop_assert!(ever || !bounded.may_be_present(t(s)));
             if t(s) >= bounded.constant_from() {
                 prop_assert_eq!(Some(&known), bounded.shares().last());
             }

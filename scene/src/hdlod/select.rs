@@ -79,9 +79,8 @@ impl Walk<'_> {
     }
 
     fn cluster(&mut self, cluster: &Cluster, mut inside: bool) {
-        let share = cluster.presence.at(self.time);
-        // R13: absent for sure. Where the share is not known a cluster that draws nothing is looked at.
-        if share.hi <= 0.0 {
+        // H9 and R13: absent for sure. In a gap between two presences the nodes below find that out.
+        if !cluster.presence.may_be_present(self.time) {
             return;
         }
         if !inside {
@@ -93,7 +92,10 @@ impl Walk<'_> {
         }
         let delta = match self.hdlod.temporal {
             Temporal::Tight => cluster.eps,
-            Temporal::Paper => delta_m(cluster, share),
+            Temporal::Paper => match cluster.presence.at(self.time) {
+                share if share.hi <= 0.0 => return,
+                share => delta_m(cluster, share),
+            },
         };
         let error_px = self.lens.error_px(delta, &cluster.bounds);
         if cluster.stale || error_px > self.tolerance_px {
@@ -103,12 +105,12 @@ impl Walk<'_> {
             return;
         }
         self.out.worst_px = self.out.worst_px.max(error_px);
-        self.draw(cluster, share);
+        self.draw(cluster);
     }
 
-    fn draw(&mut self, cluster: &Cluster, share: Share) {
+    fn draw(&mut self, cluster: &Cluster) {
         let before = self.out.spans.len();
-        spans(self.scene, self.hdlod, cluster, share, self.time, |span| {
+        spans(self.scene, self.hdlod, cluster, self.time, |span| {
             self.out.triangles += u64::from(span.index_count) / 3;
             self.out.spans.push(span);
         });
@@ -116,12 +118,11 @@ impl Walk<'_> {
     }
 }
 
-/// What a cluster draws at a date at which `share` of it is present, where it is good enough.
+/// What a cluster draws at a date, where it is good enough.
 pub(crate) fn spans(
     scene: &Scene,
     hdlod: &Hdlod,
     cluster: &Cluster,
-    share: Share,
     time: Time,
     mut emit_span: impl FnMut(Span),
 ) {
@@ -136,7 +137,7 @@ pub(crate) fn spans(
         };
         match hdlod.temporal {
             Temporal::Tight => runs.present(&scene.behaviours, time, emit),
-            Temporal::Paper if draws_part(share) && runs.start < runs.end() => {
+            Temporal::Paper if draws_part(cluster.presence.at(time)) && runs.start < runs.end() => {
                 emit(runs.start, runs.end());
             }
             Temporal::Paper => {}

@@ -251,16 +251,9 @@ impl<'a> Check<'a> {
             let runs = self.cluster.runs().filter(|(_, run, _)| there(run.behaviour));
             let expected: usize = runs.map(|(_, _, range)| range.len()).sum();
             let mut drawn = 0;
-            select::spans(
-                self.scene,
-                self.hdlod,
-                self.cluster,
-                Share::exactly(1.0),
-                time,
-                |span| {
-                    drawn += span.index_count as usize;
-                },
-            );
+            select::spans(self.scene, self.hdlod, self.cluster, time, |span| {
+                drawn += span.index_count as usize;
+            });
             if drawn != expected {
                 let message = format!("draws {drawn} indices at {time}, its ranges say {expected}");
                 self.find(Kind::Structure, &message);
@@ -433,10 +426,9 @@ impl<'a> Check<'a> {
                     let there: Vec<bool> =
                         self.scene.behaviours.iter().map(|b| b.at(time)).collect();
                     let mut drawn = Vec::new();
-                    let share = self.cluster.presence.at(time);
-                    if share.hi > 0.0 {
+                    if self.cluster.presence.may_be_present(time) {
                         let (scene, hdlod) = (self.scene, self.hdlod);
-                        select::spans(scene, hdlod, self.cluster, share, time, |span| {
+                        select::spans(scene, hdlod, self.cluster, time, |span| {
                             geometry::span(hdlod, &span, 0, &mut drawn);
                         });
                     }
