@@ -4,6 +4,7 @@
 
 use crate::report::describe;
 use std::fmt;
+use std::panic::resume_unwind;
 use std::path::PathBuf;
 use std::str::FromStr;
 use topout_scene::{Cancelled, Model, Progress, Scene, demo, import, link};
@@ -114,8 +115,27 @@ fn load_parts(
     progress: &Progress,
     on_unusable: OnUnusable<'_>,
 ) -> anyhow::Result<Scene> {
-    let (models, own_schedule) = read_models(request, progress, on_unusable)?;
-    let schedule = read_schedule(request, own_schedule, progress, on_unusable)?;
+    // Models and schedules take about as long, and nothing of one is needed for the other.
+    let (models, schedule) = std::thread::scope(|scope| {
+        let schedule = scope.spawn(|| read_schedules(request));
+        let models = read_models(request, progress, on_unusable)?;
+        progress.begin("reading the schedule", 0)?;
+        let schedule = schedule.join().unwrap_or_else(|panic| resume_unwind(panic));
+        anyhow::Ok((models, schedule))
+    })?;
+    progress.check()?;
+    let (models, own_schedule) = models;
+    let schedule = if request.schedules.is_empty() {
+        own_schedule.unwrap_or_default()
+    } else {
+        match schedule {
+            Ok(schedule) => schedule,
+            Err(error) => {
+                on_unusable(error)?;
+                Schedule::default()
+            }
+        }
+    };
     let model = import::federate(models);
     progress.begin("linking", 0)?;
     let scene = link::link(model, schedule);
@@ -153,37 +173,23 @@ fn read_models(
     Ok((models, own_schedule))
 }
 
-fn read_schedule(
-    request: &Request,
-    own: Option<Schedule>,
-    progress: &Progress,
-    on_unusable: OnUnusable<'_>,
-) -> anyhow::Result<Schedule> {
-    if request.schedules.is_empty() {
-        return Ok(own.unwrap_or_default());
-    }
-    load_schedule(request, progress).or_else(|error| {
-        if is_cancelled(&error) {
-            return Err(error);
-        }
-        on_unusable(error)?;
-        Ok(Schedule::default())
-    })
-}
-
 /// Reads the schedules of a request and nothing else.
 ///
 /// # Errors
 /// A file that cannot be used, by name, or [`Cancelled`].
 pub fn load_schedule(request: &Request, progress: &Progress) -> anyhow::Result<Schedule> {
     progress.begin("reading the schedule", 0)?;
+    let schedule = read_schedules(request)?;
+    progress.check()?;
+    Ok(schedule)
+}
+
+fn read_schedules(request: &Request) -> anyhow::Result<Schedule> {
     let options = ReadOptions {
         date_format: request.date_format.clone(),
         encoding: request.encoding.clone(),
     };
-    let schedule = topout_schedule::read_files(&request.schedules, &options)?;
-    progress.check()?;
-    Ok(schedule)
+    Ok(topout_schedule::read_files(&request.schedules, &options)?)
 }
 
 #[cfg(test)]

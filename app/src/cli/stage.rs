@@ -6,9 +6,10 @@ use crate::tree::Baked;
 use anyhow::Context;
 use glam::DVec3;
 use serde_json::{Map, Value};
+use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use topout_render::{DrawMode, Gpu, Options, Renderer};
+use topout_render::{DrawMode, Gpu, GpuError, Options, Renderer};
 use topout_scene::cache::Cache;
 use topout_scene::{NamedView, Progress, Projection, Scene, View, hdlod};
 
@@ -41,11 +42,17 @@ impl Stage {
     ) -> anyhow::Result<Self> {
         let mut phases = Phases::default();
         let (loading, started) = (Arc::new(Progress::default()), Instant::now());
-        let scene = Arc::new(load(&args.request(), &loading)?);
+        // The adapter is opened and the shaders are compiled while the files are read.
+        let (scene, graphics) = std::thread::scope(|scope| {
+            let graphics = scope.spawn(open_graphics);
+            let scene = load(&args.request(), &loading);
+            (scene, graphics.join().unwrap_or_else(|panic| resume_unwind(panic)))
+        });
+        let scene = Arc::new(scene?);
         phases.append(&loading);
         let load_seconds = started.elapsed().as_secs_f64();
-        let gpu = phases.time("graphics: adapter", Gpu::headless)?;
-        let mut renderer = phases.time("graphics: shaders", || Renderer::new(&gpu));
+        let (gpu, mut renderer, opening) = graphics?;
+        phases.0.extend(opening.0);
         if let Some(choice) = args.occlusion {
             renderer.set_options(Options { occlusion: choice.into(), ..renderer.options() });
         }
@@ -108,7 +115,15 @@ impl Stage {
     }
 }
 
-/// The steps of some work and how long each took, in order.
+/// An adapter and a renderer on it.
+fn open_graphics() -> Result<(Gpu, Renderer, Phases), GpuError> {
+    let mut phases = Phases::default();
+    let gpu = phases.time("graphics: adapter", Gpu::headless)?;
+    let renderer = phases.time("graphics: shaders", || Renderer::new(&gpu));
+    Ok((gpu, renderer, phases))
+}
+
+/// The steps of some work and how long each took, in order; some ran beside each other.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Phases(Vec<(String, Duration)>);
 

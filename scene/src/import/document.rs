@@ -7,9 +7,12 @@
 
 use super::fault::Fault;
 use gltf::binary::{Error as GlbError, Glb};
+use rayon::prelude::*;
 use serde::Deserialize;
+use serde_json::value::RawValue;
 use serde_json::{Map, Value, json};
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 use std::ops::Deref;
 
 pub(super) use gltf::json::accessor::{ComponentType, Type};
@@ -150,6 +153,17 @@ pub(super) struct NodeMore {
     pub instancing: Option<Instancing>,
 }
 
+impl NodeMore {
+    /// Reads it out of a node, in which nothing is left of what the crate would read as f32.
+    fn take(node: &mut Value) -> Result<Self, serde_json::Error> {
+        let own = Self::deserialize(&*node)?;
+        if let Some(node) = node.as_object_mut() {
+            node.retain(|k, _| !matches!(&k[..], "matrix" | "translation" | "rotation" | "scale"));
+        }
+        Ok(own)
+    }
+}
+
 #[derive(Deserialize, Debug, Default)]
 #[serde(default)]
 pub(super) struct Instancing {
@@ -192,7 +206,8 @@ impl Document {
         // Chunks of a GLB are padded; some writers pad with zeros.
         let end = json.iter().rposition(|&b| b != 0).map_or(0, |p| p + 1);
         let json = &json[..end];
-        let mut raw: Value = serde_json::from_slice(json).map_err(|e| Refusal::Fault(at(&e)))?;
+        let parsed = parse_lists_in_parts(json).map_or_else(|| serde_json::from_slice(json), Ok);
+        let mut raw: Value = parsed.map_err(|e| Refusal::Fault(at(&e)))?;
         check_version(&raw["asset"])?;
         Self::read(&mut raw)
             .map(|mut document| {
@@ -205,15 +220,8 @@ impl Document {
     fn read(raw: &mut Value) -> Result<Self, serde_json::Error> {
         let mut more = Vec::new();
         if let Some(Value::Array(nodes)) = raw.get_mut("nodes") {
-            for node in nodes {
-                let own = NodeMore::deserialize(&*node)?;
-                if let Some(node) = node.as_object_mut() {
-                    node.retain(|k, _| {
-                        !matches!(&k[..], "matrix" | "translation" | "rotation" | "scale")
-                    });
-                }
-                more.push(own);
-            }
+            let read: Vec<_> = nodes.par_iter_mut().map(NodeMore::take).collect();
+            more = read.into_iter().collect::<Result<_, _>>()?;
         }
         let animations = raw["animations"].as_array().map_or(0, Vec::len);
         tidy(raw, "");
@@ -249,6 +257,23 @@ impl Document {
         let extensions = self.buffers[buffer].extensions.as_ref();
         extensions.is_some_and(|e| compression(&e.others).is_some())
     }
+}
+
+/// Parses the lists of a document, which are nearly all of it, by all threads. `None` if something is wrong:
+/// where, only parsing in one go can say.
+fn parse_lists_in_parts(json: &[u8]) -> Option<Value> {
+    let members: BTreeMap<String, &RawValue> = serde_json::from_slice(json).ok()?;
+    let value = |raw: &RawValue| serde_json::from_str::<Value>(raw.get()).ok();
+    let parsed = members.into_iter().map(|(name, raw)| {
+        if !raw.get().starts_with('[') {
+            return Some((name, value(raw)?));
+        }
+        let list: Vec<&RawValue> = serde_json::from_str(raw.get()).ok()?;
+        let list: Option<Vec<Value>> =
+            list.par_iter().with_min_len(256).map(|&raw| value(raw)).collect();
+        Some((name, Value::Array(list?)))
+    });
+    parsed.collect::<Option<Map<_, _>>>().map(Value::Object)
 }
 
 fn compression(extensions: &Map<String, Value>) -> Option<&Value> {
@@ -297,7 +322,9 @@ fn tidy(value: &mut Value, key: &str) {
                 tidy(value, key);
             }
         }
-        Value::Array(list) => list.iter_mut().for_each(|value| tidy(value, key)),
+        Value::Array(list) => {
+            list.par_iter_mut().with_min_len(256).for_each(|value| tidy(value, key));
+        }
         Value::Number(number) => {
             // Beyond 2^53 a double no longer counts in ones.
             if let Some(float) = number.as_f64().filter(|_| number.is_f64())

@@ -7,6 +7,7 @@ use super::fault::Fault;
 use super::source::Source;
 use crate::{Element, Group, GroupId};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
+use rayon::prelude::*;
 use topout_schedule::{Diagnostics, Severity};
 
 /// Instances that one file may place; far above any building, far below what memory holds.
@@ -72,7 +73,7 @@ pub(super) fn read(
     let document = source.document;
     let roots = roots(document)?;
     let extras: Vec<Extras> =
-        document.more.iter().map(|n| Extras::read(n.extras.as_ref())).collect();
+        document.more.par_iter().map(|n| Extras::read(n.extras.as_ref())).collect();
     let (visits, owners) = walk(document, &extras, &roots)?;
     let mut hierarchy = Hierarchy::default();
     let mut storeys: Vec<String> = Vec::new();
