@@ -14,7 +14,7 @@ use glam::UVec2;
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
-use topout_scene::{Aabb, Hdlod, Layer, Scene, View, hdlod};
+use topout_scene::{Aabb, ElementId, Hdlod, Layer, Scene, View, hdlod};
 use topout_schedule::Time;
 use wgpu::util::DrawIndexedIndirectArgs as Command;
 
@@ -265,17 +265,14 @@ impl Renderer {
         let mut stats = self.select(&view, input.time, input.mode);
         let selected = Instant::now();
         stats.select_ms = (selected - start).as_secs_f64() * 1e3;
-        self.encode(&view, input.mode);
+        let culled = self.encode(&view, input.mode);
         stats.cpu_ms = selected.elapsed().as_secs_f64() * 1e3;
         // What is left of the clusters is one draw a layer.
-        let left = self.culler.as_ref().is_some_and(|c| c.triangles() > 0);
-        stats.draws =
-            (self.list.elements.len() + self.list.clusters.len()) as u64 + if left { 2 } else { 0 };
-        stats.triangles = self.list.elements.triangles()
-            + self.list.clusters.triangles()
-            + self.culler.as_ref().map_or(0, Culler::triangles);
-        stats.left = self.culler.as_ref().and_then(Culler::left);
-        stats.elements = self.list.visible.len() as u32;
+        let packed = if culled { 2 } else { 0 };
+        let commands = self.list.elements.len() + self.list.clusters.len();
+        stats.draws = commands as u64 + packed;
+        let left = self.culler.as_ref().filter(|_| self.cuts(input.mode)).and_then(Culler::left);
+        stats.left = left.map(|left| left + self.list.elements.triangles());
         stats.gpu_ms = self.gpu_ms();
         stats
     }
@@ -330,7 +327,12 @@ impl Renderer {
         self.groups = PictureGroups::new(&self.gpu, &self.passes, &self.frame, &self.targets);
     }
 
-    /// Fills the draw list.
+    /// Whether a mode draws a cut of the tree.
+    fn cuts(&self, mode: DrawMode) -> bool {
+        mode == DrawMode::Hdlod && self.hdlod.is_some()
+    }
+
+    /// Fills the draw list, but for the commands of elements.
     fn select(&mut self, view: &View, time: Time, mode: DrawMode) -> FrameStats {
         let mut stats = FrameStats::default();
         self.list.clear();
@@ -349,6 +351,7 @@ impl Renderer {
                     Some(culler) => culler.set_spans(&selection.spans),
                     None => self.list.push_spans(&selection.spans, pool.identity),
                 }
+                stats.triangles = selection.triangles;
                 stats.clusters = selection.clusters;
                 stats.visited = selection.visited;
                 stats.worst_px = selection.worst_px;
@@ -356,18 +359,24 @@ impl Renderer {
             _ => {
                 self.list.gather_visible(scene, view, time, self.options.culling);
                 stats.visited = scene.model.elements.len() as u32;
+                let of = |id: &ElementId| &scene.model.elements[id.index()];
+                let count = |id| scene.model.triangles_of(of(id)) as u64;
+                stats.triangles = self.list.visible.iter().map(count).sum();
             }
         }
-        self.list.push_elements(&scene.model, &pool.meshes);
+        stats.elements = self.list.visible.len() as u32;
         stats
     }
 
-    /// Writes and submits the commands of a frame.
-    fn encode(&mut self, view: &View, mode: DrawMode) {
+    /// Writes and submits the commands of a frame. Says whether clusters were culled.
+    fn encode(&mut self, view: &View, mode: DrawMode) -> bool {
         let uniform = FrameUniform::new(view, &self.bounds, self.ground, self.options.edges);
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         let covered = covered_rectangle(&uniform, &self.bounds, view.tolerance_px);
-        let culled = self.prepare_culling(&uniform, covered);
+        let culled = self.cuts(mode) && self.prepare_culling(view, &uniform, covered);
+        if let (Some(scene), Some(pool)) = (&self.scene, &self.pool) {
+            self.list.push_elements(&scene.model, &pool.meshes);
+        }
         let indirect =
             mode != DrawMode::Objects && self.gpu.has(wgpu::Features::INDIRECT_FIRST_INSTANCE);
         let offsets = indirect.then(|| self.write_commands()).flatten();
@@ -381,7 +390,7 @@ impl Renderer {
             .filter(|_| anything && (self.passes.smooth.is_some() || self.options.edges > 0.0));
         let from_above = uniform.sees_ground_from_above();
         if culled {
-            self.record_culling(&mut encoder, &uniform, offsets, covered);
+            self.record_culling(&mut encoder, view, &uniform, offsets, covered);
         }
         self.draw_scene(&mut encoder, mode, offsets, culled, from_above, finish.is_none());
         if let Some(rectangle) = finish {
@@ -394,6 +403,7 @@ impl Renderer {
         if let Some(timer) = &mut self.timer {
             timer.submitted();
         }
+        culled
     }
 
     /// Brings all commands into the indirect buffer with one write. `None` where they do not fit;
@@ -499,32 +509,42 @@ impl Renderer {
         }
     }
 
-    /// A frame as culling needs it; `None` where there are no clusters to draw.
-    fn cull_frame(
-        &self,
+    /// A frame as culling needs it; `None` where there is no tree, or nothing of the scene in the picture.
+    fn cull_frame<'a>(
+        &'a self,
+        view: &'a View,
         uniform: &FrameUniform,
         covered: Option<[u32; 4]>,
-    ) -> Option<cull::Frame<'_>> {
+    ) -> Option<cull::Frame<'a>> {
+        let (low, high) = (self.bounds.min.abs(), self.bounds.max.abs());
         Some(cull::Frame {
             uniform: &self.frame,
+            view,
             clip_from_world: uniform.clip_from_world,
-            size: self.targets.size,
+            reach_m: low.max(high).max(view.eye.abs()).max_element(),
             samples: self.passes.samples,
             covered: covered?,
             depth: &self.targets.depth.view,
+            model: &self.scene.as_ref()?.model,
             tree: self.hdlod.as_ref()?,
             geometry: self.pool.as_ref()?.clusters.as_ref()?,
             stamp: self.timer.as_ref().map(GpuTimer::first_of_kernels),
         })
     }
 
-    /// Prepares culling; whether there is something to cull. Where the GPU has no room for it, everything is
-    /// drawn from now on.
-    fn prepare_culling(&mut self, uniform: &FrameUniform, covered: Option<[u32; 4]>) -> bool {
-        let Some(mut culler) = self.culler.take_if(|culler| culler.triangles() > 0) else {
-            return false;
-        };
-        let done = self.cull_frame(uniform, covered).map(|frame| culler.prepare(&self.gpu, &frame));
+    /// Prepares culling, and takes away elements that nobody sees; whether there are clusters to cull. Where
+    /// the GPU has no room for it, everything is drawn from now on.
+    fn prepare_culling(
+        &mut self,
+        view: &View,
+        uniform: &FrameUniform,
+        covered: Option<[u32; 4]>,
+    ) -> bool {
+        let Some(mut culler) = self.culler.take() else { return false };
+        let mut elements = std::mem::take(&mut self.list.visible);
+        let frame = self.cull_frame(view, uniform, covered);
+        let done = frame.map(|frame| culler.prepare(&self.gpu, &frame, &mut elements));
+        self.list.visible = elements;
         if let Some(Err(error)) = &done {
             tracing::warn!("{error}; drawing also what nobody sees");
             if let Some(pool) = &self.pool {
@@ -532,20 +552,22 @@ impl Renderer {
             }
             return false;
         }
+        let any = culler.triangles() > 0;
         self.culler = Some(culler);
-        done.is_some()
+        done.is_some() && any
     }
 
     /// The commands of culling, where the GPU does it.
     fn record_culling(
         &mut self,
         encoder: &mut wgpu::CommandEncoder,
+        view: &View,
         uniform: &FrameUniform,
         offsets: Option<CommandOffsets>,
         covered: Option<[u32; 4]>,
     ) {
         let Some(mut culler) = self.culler.take() else { return };
-        if let (Some(frame), Some(pool)) = (self.cull_frame(uniform, covered), &self.pool) {
+        if let (Some(frame), Some(pool)) = (self.cull_frame(view, uniform, covered), &self.pool) {
             culler.record(&self.gpu, &frame, encoder, |encoder, draw| {
                 let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                     label: Some("occluders"),

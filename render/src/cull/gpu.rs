@@ -166,7 +166,7 @@ impl GpuCuller {
         opaque_items: usize,
         triangles: u64,
     ) -> Result<(), GpuError> {
-        let size = frame.size;
+        let size = frame.view.size;
         let mut levels = [[0; 4]; 8];
         let mut texels = 0;
         for (level, [first, width, height, _]) in levels.iter_mut().take(LEVELS).enumerate() {

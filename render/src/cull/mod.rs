@@ -15,16 +15,18 @@
 
 mod cpu;
 pub(crate) mod gpu;
+mod raster;
 
 use crate::gpu::{Gpu, GpuError};
 use crate::input::Occlusion;
 use crate::pool::{Geometry, INDEX_BYTES};
 use bytemuck::{Pod, Zeroable};
-use cpu::{CpuCuller, Cut, Screen};
-use glam::{Mat4, UVec2};
+use cpu::{CpuCuller, Cut};
+use glam::{IVec2, Mat4};
 use gpu::{COMMAND_BYTES, GpuCuller, Inputs, Kernels};
+use raster::Screen;
 use topout_scene::hdlod::Span;
-use topout_scene::{Hdlod, Layer};
+use topout_scene::{ElementId, Hdlod, Layer, Model, View};
 use wgpu::BufferUsages;
 
 /// At most 32 triangles that follow each other, all in one word of a table of bits. The twin of `Item` in
@@ -81,12 +83,15 @@ pub(crate) struct Culler {
 /// A frame, as a [`Culler`] needs it.
 pub(crate) struct Frame<'a> {
     pub uniform: &'a wgpu::Buffer,
+    pub view: &'a View,
     pub clip_from_world: Mat4,
-    pub size: UVec2,
+    /// The largest coordinate of scene and eye, metres.
+    pub reach_m: f32,
     pub samples: u32,
     /// x, y, width and height of the part of the picture where the scene can be.
     pub covered: [u32; 4],
     pub depth: &'a wgpu::TextureView,
+    pub model: &'a Model,
     pub tree: &'a Hdlod,
     pub geometry: &'a Geometry,
     /// To be written when the first kernel begins, where there are kernels.
@@ -169,21 +174,39 @@ impl Culler {
         self.items.iter().enumerate().map(span).collect()
     }
 
-    /// Finds out what may be seen, or brings to the GPU what [`Self::record`] needs for that.
+    /// Finds out what may be seen, or brings to the GPU what [`Self::record`] needs for that. Takes away
+    /// those of the elements that nobody sees, where it knows.
     ///
     /// # Errors
     /// If the GPU has no room.
-    pub fn prepare(&mut self, gpu: &Gpu, frame: &Frame<'_>) -> Result<(), GpuError> {
+    pub fn prepare(
+        &mut self,
+        gpu: &Gpu,
+        frame: &Frame<'_>,
+        elements: &mut Vec<ElementId>,
+    ) -> Result<(), GpuError> {
         match &mut self.way {
             Way::Cpu { culler, packed, counts } => {
+                let [x, y, width, height] = frame.covered.map(|v| v as i32);
+                let area = [IVec2::new(x, y), IVec2::new(x + width, y + height)];
                 culler.cull(&Cut {
                     items: &self.items,
                     opaque_items: self.opaque_items,
                     tree: frame.tree,
-                    screen: Screen::new(frame.clip_from_world, frame.size),
-                    samples: frame.samples,
-                    covered: frame.covered,
+                    elements,
+                    model: frame.model,
+                    screen: Screen::new(
+                        frame.clip_from_world,
+                        frame.view.projection,
+                        frame.view.size,
+                        area,
+                        frame.samples,
+                        frame.reach_m,
+                    ),
+                    area,
                 });
+                let mut slots = 0..;
+                elements.retain(|_| slots.next().is_some_and(|slot| culler.is_left(slot)));
                 *counts = [0, 1].map(|layer| culler.left(layer).map(|l| l.len() as u32).sum());
                 let [opaque, transparent] = *counts;
                 packed.hold(gpu, u64::from(opaque + transparent) * INDEX_BYTES)?;
@@ -196,6 +219,7 @@ impl Culler {
                     }
                 }
             }
+            Way::Gpu { .. } if self.items.is_empty() => {}
             Way::Gpu { culler, .. } => {
                 culler.upload(gpu, frame, &self.items, self.opaque_items, self.triangles)?;
             }
