@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use topout_scene::Projection;
 
 /// Pixels by which edges may be moved: software adapters bring corners onto a grid of 1/256 pixel.
-const SNAP_PX: f32 = 1.0 / 64.0;
+const SNAP_PX: f32 = 1.0 / 256.0;
 /// Relative, what depths may differ by because of rounding.
 const DEPTH_SLACK: f32 = 1e-5;
 /// Relative to the largest coordinate, what positions may differ by because of rounding.
