@@ -438,12 +438,15 @@ pub fn measure_empty(
 }
 
 /// One frame, from the call to the end of the GPU's work, in milliseconds.
-fn timed(renderer: &mut Renderer, input: &FrameInput) -> (f64, FrameStats) {
+pub fn timed(renderer: &mut Renderer, input: &FrameInput) -> (f64, FrameStats) {
     let start = Instant::now();
-    let stats = renderer.render(input);
+    let mut stats = renderer.render(input);
     renderer.wait_idle();
     let ms = start.elapsed().as_secs_f64() * 1e3;
-    (ms, FrameStats { gpu_ms: renderer.gpu_ms(), ..stats })
+    for times in renderer.take_gpu_times() {
+        stats.add_gpu_times(&times);
+    }
+    (ms, stats)
 }
 
 /// The median of a cell at a date, the mean of the animation; `None` of nothing.
@@ -456,7 +459,7 @@ fn typical(moment: Moment, values: Vec<f64>) -> Option<f64> {
 }
 
 /// The smallest value that is not below the given share of all values; `None` of nothing.
-fn percentile(mut values: Vec<f64>, share: f64) -> Option<f64> {
+pub(crate) fn percentile(mut values: Vec<f64>, share: f64) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let rank = (values.len() as f64 * share).ceil() as usize;
     values.get(rank.max(1) - 1).copied()

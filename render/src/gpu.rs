@@ -57,6 +57,7 @@ pub struct Gpu {
 fn wanted_features() -> wgpu::Features {
     wgpu::Features::INDIRECT_FIRST_INSTANCE
         | wgpu::Features::TIMESTAMP_QUERY
+        | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
         | wgpu::Features::MULTI_DRAW_INDIRECT_COUNT
 }
 

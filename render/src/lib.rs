@@ -20,6 +20,7 @@ pub use gpu::{Gpu, GpuError, device_descriptor, instance_descriptor};
 pub use input::{Antialias, DrawMode, FrameInput, FrameStats, Occlusion, Options};
 pub use readback::Picture;
 pub use renderer::Renderer;
+pub use timing::{FrameTimings, GpuTimes, Pass, PassTime};
 
 #[cfg(test)]
 mod tests;

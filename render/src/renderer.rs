@@ -9,11 +9,10 @@ use crate::passes::{Edges, Glass, Ground, SceneBindings, Sky, Smooth, Solid};
 use crate::pool::{Geometry, INDEX_BYTES, INSTANCE_BYTES, Pool, VERTEX_BYTES};
 use crate::readback::{Picture, texture_bytes};
 use crate::targets::Targets;
-use crate::timing::GpuTimer;
+use crate::timing::{GpuTimer, GpuTimes, Laps, Pass};
 use glam::UVec2;
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::Instant;
 use topout_scene::{Aabb, Hdlod, Layer, Scene, View, hdlod};
 use topout_schedule::Time;
 use wgpu::util::DrawIndexedIndirectArgs as Command;
@@ -87,6 +86,8 @@ pub struct Renderer {
     /// `None`: nothing is left out.
     culler: Option<Culler>,
     timer: Option<GpuTimer>,
+    /// Frames drawn so far.
+    frames: u64,
     list: DrawList,
     pool: Option<Pool>,
     scene: Option<Arc<Scene>>,
@@ -131,6 +132,7 @@ impl Renderer {
             culler: Culler::new(gpu, options.occlusion, samples)
                 .expect("a device holds a few small buffers"),
             timer: GpuTimer::new(gpu),
+            frames: 0,
             list: DrawList::default(),
             pool: None,
             scene: None,
@@ -261,12 +263,18 @@ impl Renderer {
         if self.targets.size != view.size {
             self.new_targets(view.size);
         }
-        let start = Instant::now();
+        self.frames += 1;
+        if let Some(timer) = &mut self.timer {
+            timer.begin_frame(self.frames);
+        }
+        let mut laps = Laps::start();
         let mut stats = self.select(&view, input.time, input.mode);
-        let selected = Instant::now();
-        stats.select_ms = (selected - start).as_secs_f64() * 1e3;
-        self.encode(&view, input.mode);
-        stats.cpu_ms = selected.elapsed().as_secs_f64() * 1e3;
+        laps.end(Pass::Select);
+        stats.select_ms = laps.timings.cpu_ms();
+        self.encode(&view, input.mode, &mut laps);
+        stats.cpu_ms = laps.timings.cpu_ms() - stats.select_ms;
+        stats.passes = laps.timings;
+        stats.frame = self.frames;
         // What is left of the clusters is one draw a layer.
         let left = self.culler.as_ref().is_some_and(|c| c.triangles() > 0);
         stats.draws =
@@ -276,7 +284,6 @@ impl Renderer {
             + self.culler.as_ref().map_or(0, Culler::triangles);
         stats.left = self.culler.as_ref().and_then(Culler::left);
         stats.elements = self.list.visible.len() as u32;
-        stats.gpu_ms = self.gpu_ms();
         stats
     }
 
@@ -299,7 +306,24 @@ impl Renderer {
     /// Milliseconds that the GPU spent on the latest frame known to be finished; `None` where the
     /// adapter has no timestamps.
     pub fn gpu_ms(&mut self) -> Option<f64> {
-        self.timer.as_mut().and_then(GpuTimer::latest_ms)
+        self.timer.as_mut().and_then(GpuTimer::latest).map(|times| times.frame_ms)
+    }
+
+    /// What the GPU took for frames whose times have arrived since the last call, at most the latest
+    /// three; empty where the adapter has no timestamps. Does not wait: after [`Renderer::wait_idle`] the
+    /// last frame is among them.
+    pub fn take_gpu_times(&mut self) -> Vec<GpuTimes> {
+        self.timer.as_mut().map_or_else(Vec::new, GpuTimer::take)
+    }
+
+    /// Whether [`Renderer::take_gpu_times`] will bring times of frames that are drawn already.
+    pub fn expects_gpu_times(&self) -> bool {
+        self.timer.as_ref().is_some_and(GpuTimer::is_under_way)
+    }
+
+    /// Whether the adapter tells how long it took.
+    pub fn has_timestamps(&self) -> bool {
+        self.timer.is_some()
     }
 
     /// Bytes that buffers and textures hold on the GPU.
@@ -363,14 +387,19 @@ impl Renderer {
     }
 
     /// Writes and submits the commands of a frame.
-    fn encode(&mut self, view: &View, mode: DrawMode) {
+    fn encode(&mut self, view: &View, mode: DrawMode, laps: &mut Laps) {
         let uniform = FrameUniform::new(view, &self.bounds, self.ground, self.options.edges);
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         let covered = covered_rectangle(&uniform, &self.bounds, view.tolerance_px);
+        laps.end(Pass::Upload);
         let culled = self.prepare_culling(&uniform, covered);
+        if culled {
+            laps.end(Pass::Cull);
+        }
         let indirect =
             mode != DrawMode::Objects && self.gpu.has(wgpu::Features::INDIRECT_FIRST_INSTANCE);
         let offsets = indirect.then(|| self.write_commands()).flatten();
+        laps.end(Pass::Upload);
         let mut encoder = self
             .gpu
             .device
@@ -382,10 +411,13 @@ impl Renderer {
         let from_above = uniform.sees_ground_from_above();
         if culled {
             self.record_culling(&mut encoder, &uniform, offsets, covered);
+            laps.end(Pass::Cull);
         }
-        self.draw_scene(&mut encoder, mode, offsets, culled, from_above, finish.is_none());
+        self.draw_scene(&mut encoder, mode, offsets, culled, from_above);
+        laps.end(Pass::Scene);
         if let Some(rectangle) = finish {
             self.draw_finish(&mut encoder, rectangle);
+            laps.end(Pass::Finish);
         }
         if let Some(timer) = &mut self.timer {
             timer.resolve(&mut encoder);
@@ -394,6 +426,12 @@ impl Renderer {
         if let Some(timer) = &mut self.timer {
             timer.submitted();
         }
+        laps.end(Pass::Submit);
+    }
+
+    /// The stamps of a render pass of this frame.
+    fn stamps(&self, pass: Pass) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        self.timer.as_ref().and_then(|timer| timer.of_render(pass))
     }
 
     /// Brings all commands into the indirect buffer with one write. `None` where they do not fit;
@@ -439,7 +477,6 @@ impl Renderer {
         offsets: Option<CommandOffsets>,
         culled: bool,
         ground: bool,
-        last: bool,
     ) {
         let (view, resolve_target) = match &self.targets.many {
             Some(many) => (&many.view, Some(&self.targets.scene.view)),
@@ -447,7 +484,6 @@ impl Renderer {
         };
         let store =
             if resolve_target.is_some() { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
-        let first = !(culled && self.culler.as_ref().is_some_and(Culler::has_kernels));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("scene"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -460,7 +496,7 @@ impl Renderer {
                 },
             })],
             depth_stencil_attachment: Some(self.cleared_depth()),
-            timestamp_writes: self.timer.as_ref().and_then(|t| t.stamps(first, last)),
+            timestamp_writes: self.stamps(Pass::Scene),
             ..Default::default()
         });
         pass.set_bind_group(0, &self.scene_group, &[]);
@@ -514,7 +550,7 @@ impl Renderer {
             depth: &self.targets.depth.view,
             tree: self.hdlod.as_ref()?,
             geometry: self.pool.as_ref()?.clusters.as_ref()?,
-            stamp: self.timer.as_ref().map(GpuTimer::first_of_kernels),
+            timer: self.timer.as_ref(),
         })
     }
 
@@ -551,6 +587,7 @@ impl Renderer {
                     label: Some("occluders"),
                     color_attachments: &[],
                     depth_stencil_attachment: Some(self.cleared_depth()),
+                    timestamp_writes: self.stamps(Pass::Occluders),
                     ..Default::default()
                 });
                 pass.set_bind_group(0, &self.scene_group, &[]);
@@ -644,7 +681,7 @@ impl Renderer {
                 ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
             })],
             depth_stencil_attachment: depth,
-            timestamp_writes: self.timer.as_ref().and_then(|t| t.stamps(false, true)),
+            timestamp_writes: self.stamps(Pass::Finish),
             ..Default::default()
         });
         pass.set_scissor_rect(x, y, w, h);
@@ -657,11 +694,10 @@ impl Renderer {
         drop(pass);
         if smooths {
             let extent = wgpu::Extent3d { width: w, height: h, depth_or_array_layers: 1 };
-            encoder.copy_texture_to_texture(
-                self.targets.smoothed.part(x, y),
-                self.targets.scene.part(x, y),
-                extent,
-            );
+            let (from, to) = (self.targets.smoothed.part(x, y), self.targets.scene.part(x, y));
+            GpuTimer::around(self.timer.as_ref(), Pass::Copy, encoder, |encoder| {
+                encoder.copy_texture_to_texture(from, to, extent);
+            });
         }
     }
 }

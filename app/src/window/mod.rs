@@ -7,6 +7,7 @@ mod calendar;
 mod camera;
 mod chrome;
 mod command;
+mod frames;
 mod inspector;
 mod loading;
 mod overlay;
@@ -20,7 +21,7 @@ mod viewport;
 pub use calendar::Calendar;
 pub use camera::Camera;
 pub use command::{Action, Command, Panel, Shortcut, actions};
-pub use overlay::FrameLog;
+pub use frames::FrameLog;
 pub use state::AppState;
 pub use table::Table;
 pub use theme::Scheme;
@@ -197,7 +198,7 @@ impl eframe::App for Window {
         if changed || self.state.playing {
             // The panels were drawn before the change.
             ctx.request_repaint();
-        } else if self.state.is_busy() || self.viewport.waits_for_gpu() {
+        } else if self.state.is_busy() || self.viewport.expects_gpu_times() {
             ctx.request_repaint_after(PROGRESS_EVERY);
         }
     }

@@ -3,8 +3,8 @@
 use super::calendar::{Calendar, DAY};
 use super::camera::Camera;
 use super::command::{Command, Panel};
+use super::frames::FrameLog;
 use super::loading::{Answer, Ask, Job, Loaded, NO_DIALOG, Outcome, Project, Stamp, Wake, ask};
-use super::overlay::FrameLog;
 use super::reload::{Refining, TreeChange};
 use super::table::Table;
 use super::theme::Scheme;

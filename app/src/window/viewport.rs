@@ -11,7 +11,7 @@ use egui::{Color32, PointerButton, Pos2, Rect, Sense, Stroke, TextureId, Ui};
 use egui_wgpu::RenderState;
 use glam::{UVec2, Vec2, Vec3};
 use std::sync::Arc;
-use topout_render::{FrameInput, FrameStats, Gpu, GpuError, Renderer};
+use topout_render::{FrameInput, Gpu, GpuError, Renderer};
 use topout_scene::{Aabb, Hdlod, Scene, hdlod};
 
 /// Nearer (below 1) per notch of a mouse wheel.
@@ -29,8 +29,6 @@ pub struct Viewport {
     /// What is uploaded has the colours of levels.
     level_colors: bool,
     drawn: Option<FrameInput>,
-    /// The last frame, as long as the GPU has not told how long it took.
-    untimed: Option<FrameStats>,
     gesture: Option<Gesture>,
 }
 
@@ -65,14 +63,13 @@ impl Viewport {
             tree: None,
             level_colors: false,
             drawn: None,
-            untimed: None,
             gesture: None,
         }
     }
 
     /// Whether a figure is still missing that a later look will bring.
-    pub fn waits_for_gpu(&self) -> bool {
-        self.untimed.is_some()
+    pub fn expects_gpu_times(&self) -> bool {
+        self.renderer.expects_gpu_times()
     }
 
     /// Fills what is left of `ui` with the picture; returns the place that it takes.
@@ -233,13 +230,12 @@ impl Viewport {
             time: state.time(),
             mode: state.effective_mode(),
         };
-        self.time_last_frame(state);
+        state.frames.add_gpu_times(&self.renderer.take_gpu_times());
         if self.drawn.as_ref() == Some(&input) {
             return;
         }
         let stats = self.renderer.render(&input);
-        state.frames.show(stats);
-        self.untimed = Some(stats);
+        state.frames.show(stats, self.renderer.has_timestamps());
         self.drawn = Some(input);
         let mut egui_renderer = self.window.renderer.write();
         let (view, filter) = (self.renderer.color_view(), wgpu::FilterMode::Nearest);
@@ -254,17 +250,6 @@ impl Viewport {
                 self.texture = Some((id, state.picture));
             }
             Some(_) => {}
-        }
-    }
-
-    /// Counts the last frame once its time is known.
-    fn time_last_frame(&mut self, state: &mut AppState) {
-        let Some(stats) = self.untimed else { return };
-        let gpu_ms = self.renderer.gpu_ms();
-        let tells = self.window.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
-        if gpu_ms.is_some() || !tells {
-            state.frames.add(&FrameStats { gpu_ms, ..stats });
-            self.untimed = None;
         }
     }
 

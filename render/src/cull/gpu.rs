@@ -5,6 +5,7 @@ use super::{Frame, Item, Table};
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::module;
 use crate::pool::INDEX_BYTES;
+use crate::timing::{GpuTimer, Pass};
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
 use wgpu::BufferUsages;
@@ -123,8 +124,7 @@ pub(crate) struct Inputs<'a> {
     pub depth: &'a wgpu::TextureView,
     pub vertices: &'a wgpu::Buffer,
     pub indices: &'a wgpu::Buffer,
-    /// To be written when the first kernel begins.
-    pub stamp: Option<wgpu::ComputePassTimestampWrites<'a>>,
+    pub timer: Option<&'a GpuTimer>,
 }
 
 impl GpuCuller {
@@ -213,7 +213,8 @@ impl GpuCuller {
         items: u64,
         encoder: &mut wgpu::CommandEncoder,
     ) {
-        let mut pass = begin(encoder, "occluders", inputs.stamp.clone());
+        let mut pass =
+            begin(encoder, "recall", inputs.timer.and_then(|t| t.of_kernels(Pass::Recall)));
         let before = &self.seen[self.turn].buffer;
         let group = bind(
             gpu,
@@ -283,7 +284,8 @@ impl GpuCuller {
         let seen = &self.seen[self.turn].buffer;
         encoder.clear_buffer(seen, 0, None);
         encoder.clear_buffer(&self.masks.buffer, 0, None);
-        let mut pass = begin(encoder, "culling", None);
+        let mut pass =
+            begin(encoder, "culling", inputs.timer.and_then(|t| t.of_kernels(Pass::Cull)));
         let [x, y, w, h] = covered;
         for (pipeline, shift) in [(&kernels.fine, 3u32), (&kernels.coarse, 6)] {
             let group = bind(
