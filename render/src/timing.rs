@@ -2,6 +2,7 @@
 //! has them.
 
 use crate::gpu::Gpu;
+use crate::input::FrameStats;
 use std::collections::VecDeque;
 use std::ops::Index;
 use std::sync::Arc;
@@ -81,6 +82,25 @@ impl FrameTimings {
     /// Milliseconds of all passes on the CPU.
     pub fn cpu_ms(&self) -> f64 {
         self.0.iter().filter_map(|time| time.cpu_ms).sum()
+    }
+
+    /// Of each pass what `middle` makes of its times in all frames. A frame in which a pass did not run
+    /// counts as 0 for it; `None` where it ran in none.
+    pub fn of_frames<'a>(
+        frames: impl Iterator<Item = &'a FrameStats> + Clone,
+        middle: impl Fn(Vec<f64>) -> Option<f64>,
+    ) -> Self {
+        let side = |times: Vec<Option<f64>>| {
+            let ran = times.iter().any(Option::is_some);
+            ran.then(|| middle(times.into_iter().map(Option::unwrap_or_default).collect()))
+                .flatten()
+        };
+        // Of some frames the GPU may not have told anything.
+        let told = frames.clone().filter(|stats| stats.gpu_ms.is_some());
+        Self(std::array::from_fn(|i| PassTime {
+            cpu_ms: side(frames.clone().map(|stats| stats.passes.0[i].cpu_ms).collect()),
+            gpu_ms: side(told.clone().map(|stats| stats.passes.0[i].gpu_ms).collect()),
+        }))
     }
 
     /// Takes over what the GPU took.

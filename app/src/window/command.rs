@@ -19,6 +19,8 @@ pub enum Panel {
     /// Figures of the last frames.
     Figures,
     /// Findings in the data.
+    /// Their times as a graph.
+    Graph,
     Diagnostics,
     /// The paper's table, measured here.
     Table,
@@ -199,6 +201,7 @@ pub fn actions() -> Vec<Action> {
         action(C::Toggle(Panel::Diagnostics), "Diagnostics", Some(S::key(Key::D))),
         action(C::ToggleLevelColors, "Color by level", Some(S::key(Key::C))),
         action(C::ToggleScheme, "Dark or light", Some(S::key(Key::L))),
+        action(C::Toggle(Panel::Graph), "Frame times", Some(S::key(Key::G))),
         action(C::TogglePlay, "Play or pause", Some(S::key(Key::Space))),
         step(1, "Day forward", S::key(Key::ArrowRight)),
         step(-1, "Day back", S::key(Key::ArrowLeft)),

@@ -2,10 +2,7 @@
 
 use crate::bench::percentile;
 use std::collections::VecDeque;
-use topout_render::{FrameStats, GpuTimes};
-
-/// Frames that are remembered.
-const REMEMBERED: usize = 120;
+use topout_render::{FrameStats, FrameTimings, GpuTimes};
 
 /// Figures of the last frames that were really rendered.
 #[derive(Clone, Debug, Default)]
@@ -21,10 +18,13 @@ struct Entry {
 }
 
 impl FrameLog {
+    /// Frames that are remembered.
+    pub const REMEMBERED: usize = 120;
+
     /// Remembers a frame. Where the adapter tells its time (`gpu_tells`), the frame counts only once that
     /// has come, see [`FrameLog::add_gpu_times`].
     pub fn show(&mut self, stats: FrameStats, gpu_tells: bool) {
-        if self.frames.len() == REMEMBERED {
+        if self.frames.len() == Self::REMEMBERED {
             self.frames.pop_front();
         }
         self.frames.push_back(Entry { stats, complete: !gpu_tells });
@@ -50,7 +50,7 @@ impl FrameLog {
     }
 
     /// Frames whose time is known, the oldest first.
-    pub fn timed(&self) -> impl Iterator<Item = &FrameStats> {
+    pub fn timed(&self) -> impl Iterator<Item = &FrameStats> + Clone {
         self.frames.iter().filter(|entry| entry.complete).map(|entry| &entry.stats)
     }
 
@@ -67,6 +67,11 @@ impl FrameLog {
     /// The time that a share of the frames stays within: 0.5 is the median. `None` without frames.
     pub fn percentile(&self, share: f64) -> Option<f64> {
         percentile(self.timed().map(frame_ms).collect(), share)
+    }
+
+    /// The median of each part of a frame.
+    pub fn medians(&self) -> FrameTimings {
+        FrameTimings::of_frames(self.timed(), |times| percentile(times, 0.5))
     }
 }
 
@@ -89,7 +94,7 @@ mod tests {
             log.show(stats, false);
         }
         // 181 to 300 are remembered.
-        assert_eq!(log.len(), REMEMBERED);
+        assert_eq!(log.len(), FrameLog::REMEMBERED);
         assert_eq!(log.percentile(0.5), Some(240.0));
         assert_eq!(log.percentile(0.95), Some(294.0));
         assert_eq!(log.percentile(1.0), Some(300.0));

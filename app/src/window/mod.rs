@@ -8,6 +8,7 @@ mod camera;
 mod chrome;
 mod command;
 mod frames;
+mod graph;
 mod inspector;
 mod loading;
 mod overlay;
@@ -189,6 +190,7 @@ impl eframe::App for Window {
                 });
             }
             overlay::show(ui, place, &self.state, &mut commands);
+            graph::show(&ctx, &self.state, place, &mut commands);
         });
         let changed = changed || !commands.is_empty();
         for command in commands {

@@ -1,6 +1,6 @@
 //! What floats in the corners of the 3D view: figures, standard views, progress and messages.
 
-use super::command::{Command, keys_of};
+use super::command::{Command, Panel, keys_of};
 use super::loading::Job;
 use super::state::{AppState, Tree};
 use super::theme::{SMALL, palette};
@@ -30,7 +30,7 @@ pub fn show(ui: &mut Ui, place: Rect, state: &AppState, commands: &mut Vec<Comma
     }
     corner(ui, inner, Align2::RIGHT_TOP, "views", |ui| views(ui, commands));
     if state.panels.figures {
-        corner(ui, inner, Align2::RIGHT_BOTTOM, "figures", |ui| figures(ui, state));
+        corner(ui, inner, Align2::RIGHT_BOTTOM, "figures", |ui| figures(ui, state, commands));
     }
 }
 
@@ -78,13 +78,19 @@ fn views(ui: &mut Ui, commands: &mut Vec<Command>) {
     });
 }
 
-fn figures(ui: &mut Ui, state: &AppState) {
+fn figures(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let Some(stats) = state.frames.last() else { return };
+    let graph = Command::Toggle(Panel::Graph);
     card(ui).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
-        let line = |ui: &mut Ui, text: String, tip: &str| {
-            ui.label(RichText::new(text).size(SMALL)).on_hover_text(tip);
+        let mut line = |ui: &mut Ui, text: String, tip: &str| {
+            let label =
+                egui::Label::new(RichText::new(text).size(SMALL)).sense(egui::Sense::click());
+            let tip = format!("{tip}\nClick: graph of the frame times ({})", keys_of(&graph));
+            if ui.add(label).on_hover_text(tip).clicked() {
+                commands.push(graph.clone());
+            }
         };
         let ms = |share| {
             state.frames.percentile(share).map_or_else(|| "–".to_owned(), |ms| format!("{ms:.1}"))

@@ -71,6 +71,8 @@ pub struct Panels {
     pub figures: bool,
     /// See [`Panel`].
     pub diagnostics: bool,
+    pub graph: bool,
+    /// See [`Panel`].
     /// See [`Panel`].
     pub table: bool,
     /// See [`Panel`].
@@ -84,6 +86,7 @@ impl Default for Panels {
             timeline: true,
             figures: true,
             diagnostics: false,
+            graph: false,
             table: false,
             shortcuts: false,
         }
@@ -613,6 +616,7 @@ impl AppState {
 fn name_of(source: &Source) -> String {
     match source {
         Source::Demo => "the demo project".to_owned(),
+            Panel::Graph => &mut self.panels.graph,
         Source::File(path) => path
             .file_name()
             .map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned()),
