@@ -1,5 +1,7 @@
 //! The renderer: one scene, one picture a frame.
 
+mod reload;
+
 use crate::cull::{self, Culler};
 use crate::draw_list::DrawList;
 use crate::frame::{FrameUniform, covered_rectangle, ground_height};
@@ -156,10 +158,7 @@ impl Renderer {
         if (options.antialias, options.occlusion)
             != (self.options.antialias, self.options.occlusion)
         {
-            self.culler = Culler::new(&self.gpu, options.occlusion, self.passes.samples)
-                .inspect_err(|error| tracing::warn!("{error}; drawing what nobody sees too"))
-                .ok()
-                .flatten();
+            self.culler = new_culler(&self.gpu, options, self.passes.samples);
         }
         self.options = options;
     }
@@ -700,6 +699,14 @@ impl Renderer {
             });
         }
     }
+}
+
+/// `None` also where there is no room for it.
+fn new_culler(gpu: &Gpu, options: Options, samples: u32) -> Option<Culler> {
+    Culler::new(gpu, options.occlusion, samples)
+        .inspect_err(|error| tracing::warn!("{error}; drawing what nobody sees too"))
+        .ok()
+        .flatten()
 }
 
 /// The paper's baseline (R12): every object brings its own mesh and its own place, as in a viewer

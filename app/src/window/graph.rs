@@ -178,8 +178,9 @@ fn breakdown(ui: &mut Ui, title: &str, stats: &FrameStats, log: &FrameLog) {
     // The rows hold no buttons.
     ui.spacing_mut().interact_size.y = 0.0;
     egui::Grid::new("breakdown").num_columns(6).spacing([12.0, 2.0]).show(ui, |ui| {
-        let heads = ["ms", "CPU", "GPU", "median CPU", "median GPU", ""];
-        heads.map(|head| ui.label(RichText::new(head).size(SMALL).color(weak)));
+        for head in ["ms", "CPU", "GPU", "median CPU", "median GPU", ""] {
+            ui.label(RichText::new(head).size(SMALL).color(weak));
+        }
         ui.end_row();
         for (pass, name, about) in Pass::ALL {
             let (here, typical) = (stats.passes[pass], medians[pass]);

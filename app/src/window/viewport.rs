@@ -30,6 +30,9 @@ pub struct Viewport {
     level_colors: bool,
     drawn: Option<FrameInput>,
     gesture: Option<Gesture>,
+    /// The shaders' files are looked at, and when that was done last.
+    #[cfg(debug_assertions)]
+    shaders: (topout_render::ShaderFolder, std::time::Instant),
 }
 
 /// A drag: what was under the pointer when the button went down.
@@ -64,6 +67,8 @@ impl Viewport {
             level_colors: false,
             drawn: None,
             gesture: None,
+            #[cfg(debug_assertions)]
+            shaders: (topout_render::ShaderFolder::of_source(), std::time::Instant::now()),
         }
     }
 
@@ -96,6 +101,8 @@ impl Viewport {
         if let Some(error) = self.take_over(state) {
             state.apply(error);
         }
+        #[cfg(debug_assertions)]
+        self.reload_shaders(ui, state);
         self.draw(state);
         if let Some((texture, _)) = self.texture {
             let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
@@ -220,6 +227,29 @@ impl Viewport {
                 None => self.renderer.set_dates(scene).and_then(|()| self.renderer.set_hdlod(tree)),
             },
             None => self.renderer.set_dates(scene).and_then(|()| self.renderer.set_hdlod(tree)),
+        }
+    }
+
+    /// Takes over shaders that were changed while the window is open.
+    #[cfg(debug_assertions)]
+    fn reload_shaders(&mut self, ui: &Ui, state: &mut AppState) {
+        const LOOK_EVERY: std::time::Duration = std::time::Duration::from_millis(300);
+        ui.ctx().request_repaint_after(LOOK_EVERY);
+        let (folder, looked) = &mut self.shaders;
+        let Some(frame) = self.drawn.filter(|_| looked.elapsed() >= LOOK_EVERY) else { return };
+        *looked = std::time::Instant::now();
+        if !folder.has_changed() {
+            return;
+        }
+        match self.renderer.reload_shaders(folder, &frame) {
+            Ok(()) => {
+                (state.news, state.error) =
+                    (Some("The shaders were loaded again.".to_owned()), None);
+            }
+            Err(error) => {
+                tracing::warn!("{error}");
+                state.error = Some(error.to_string());
+            }
         }
     }
 

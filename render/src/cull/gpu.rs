@@ -5,6 +5,7 @@ use super::{Frame, Item, Table};
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::module;
 use crate::pool::INDEX_BYTES;
+use crate::shader::{Shader, shader};
 use crate::timing::{GpuTimer, Pass};
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
@@ -29,32 +30,34 @@ pub(crate) struct CullUniform {
     pub levels: [[u32; 4]; 8],
 }
 
-macro_rules! shader {
-    ($($path:literal),*) => {
-        concat!($(include_str!(concat!("../../../shaders/", $path))),*)
-    };
-}
+const RECALL: Shader = shader!("recall", "common/cull.wgsl", "cull/recall.wgsl");
+const PACK: Shader = shader!("pack", "common/cull.wgsl", "cull/pack.wgsl");
+const PYRAMID_ONE: Shader =
+    shader!("pyramid, one sample", "common/cull.wgsl", "cull/depth_one.wgsl", "cull/pyramid.wgsl",);
+const PYRAMID_MANY: Shader = shader!(
+    "pyramid, many samples",
+    "common/cull.wgsl",
+    "cull/depth_many.wgsl",
+    "cull/pyramid.wgsl",
+);
+const TEST_ONE: Shader = shader!(
+    "test, one sample",
+    "common/frame.wgsl",
+    "common/cull.wgsl",
+    "cull/depth_one.wgsl",
+    "cull/test.wgsl",
+);
+const TEST_MANY: Shader = shader!(
+    "test, many samples",
+    "common/frame.wgsl",
+    "common/cull.wgsl",
+    "cull/depth_many.wgsl",
+    "cull/test.wgsl",
+);
 
-const RECALL: &str = shader!("common/cull.wgsl", "cull/recall.wgsl");
-const PACK: &str = shader!("common/cull.wgsl", "cull/pack.wgsl");
-const PYRAMID_ONE: &str = shader!("common/cull.wgsl", "cull/depth_one.wgsl", "cull/pyramid.wgsl");
-const PYRAMID_MANY: &str = shader!("common/cull.wgsl", "cull/depth_many.wgsl", "cull/pyramid.wgsl");
-
-const TEST_ONE: &str =
-    shader!("common/frame.wgsl", "common/cull.wgsl", "cull/depth_one.wgsl", "cull/test.wgsl");
-const TEST_MANY: &str =
-    shader!("common/frame.wgsl", "common/cull.wgsl", "cull/depth_many.wgsl", "cull/test.wgsl");
-
-/// The text of every kernel as it is compiled, with its name. The tests validate each.
-#[cfg(test)]
-pub(crate) const KERNELS: [(&str, &str); 6] = [
-    ("recall", RECALL),
-    ("pack", PACK),
-    ("pyramid, one sample", PYRAMID_ONE),
-    ("pyramid, many samples", PYRAMID_MANY),
-    ("test, one sample", TEST_ONE),
-    ("test, many samples", TEST_MANY),
-];
+/// The shaders of all kernels.
+pub(crate) const KERNELS: [Shader; 6] =
+    [RECALL, PACK, PYRAMID_ONE, PYRAMID_MANY, TEST_ONE, TEST_MANY];
 
 /// The kernels; they depend on the number of samples.
 #[derive(Debug)]
@@ -69,8 +72,8 @@ pub(crate) struct Kernels {
 
 impl Kernels {
     pub fn new(gpu: &Gpu, samples: u32) -> Self {
-        let build = |text, entry| {
-            let module = module(gpu, entry, text);
+        let build = |shader, entry| {
+            let module = module(gpu, shader);
             gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry),
                 layout: None,
