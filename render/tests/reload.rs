@@ -79,6 +79,7 @@ fn shaders_are_exchanged_only_for_ones_that_work() {
         assert!(folder.has_changed(), "{file}");
         let error = r.reload_shaders(&folder, &frame).unwrap_err();
         assert!(matches!(error, ShaderError::Invalid(_)), "{file}: {error}");
+        assert!(error.to_string().is_ascii(), "{error}");
         assert!(shot(&mut r, &frame) == black, "{file}: the picture stays");
         std::fs::write(&path, before).unwrap();
     }

@@ -63,13 +63,18 @@ fn open() -> Harness<'static, Window> {
     harness
 }
 
-/// Runs frames until no thread is at work and nothing asks for another frame.
+/// Runs frames until no thread is at work, what every frame took is known and nothing asks for another.
 fn settle(harness: &mut Harness<'_, Window>) {
-    while harness.state().state().is_busy() {
-        harness.step();
-        std::thread::sleep(Duration::from_millis(5));
+    loop {
+        while harness.state().is_busy() {
+            harness.step();
+            std::thread::sleep(Duration::from_millis(5));
+        }
+        harness.run();
+        if !harness.state().is_busy() {
+            return;
+        }
     }
-    harness.run();
 }
 
 fn apply(harness: &mut Harness<'_, Window>, command: Command) {

@@ -116,6 +116,12 @@ impl Window {
         &self.state
     }
 
+    /// Whether what is shown will change without the user: a thread is at work, or the GPU has not told
+    /// what a frame took.
+    pub fn is_busy(&self) -> bool {
+        self.state.is_busy() || self.viewport.expects_gpu_times()
+    }
+
     /// For driving the window from a program.
     pub fn state_mut(&mut self) -> &mut AppState {
         &mut self.state
@@ -200,7 +206,7 @@ impl eframe::App for Window {
         if changed || self.state.playing {
             // The panels were drawn before the change.
             ctx.request_repaint();
-        } else if self.state.is_busy() || self.viewport.expects_gpu_times() {
+        } else if self.is_busy() {
             ctx.request_repaint_after(PROGRESS_EVERY);
         }
     }

@@ -19,7 +19,7 @@ impl Renderer {
     ) -> Result<(), ShaderError> {
         let device = self.gpu.device.clone();
         let check = |scope: wgpu::ErrorScopeGuard| match pollster::block_on(scope.pop()) {
-            Some(error) => Err(ShaderError::Invalid(error.to_string())),
+            Some(error) => Err(ShaderError::Invalid(plain(&error.to_string()))),
             None => Ok(()),
         };
         let gpu = Gpu { shaders: folder.read()?, ..self.gpu.clone() };
@@ -44,4 +44,14 @@ impl Renderer {
         std::mem::swap(&mut self.culler, culler);
         self.groups = PictureGroups::new(&self.gpu, &self.passes, &self.frame, &self.targets);
     }
+}
+
+/// Without lines drawn by characters, which few fonts have.
+fn plain(message: &str) -> String {
+    let sign = |c| match c {
+        '\u{2502}' => '|',
+        '\u{2500}'..='\u{257f}' => '-',
+        c => c,
+    };
+    message.trim().chars().map(sign).collect()
 }
