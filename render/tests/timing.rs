@@ -39,33 +39,31 @@ fn passes_that_ran_have_times_and_no_others() {
     r.set_hdlod(&tree).unwrap();
     let (hdlod, batched) = (DrawMode::Hdlod, DrawMode::Batched);
     let (plain, smooth) = (Antialias::Off, Antialias::Smooth);
-    let cases: [(DrawMode, Occlusion, Antialias, f32, &[Pass], &[Pass]); 4] = [
+    let options =
+        |occlusion, antialias, edges| Options { antialias, edges, culling: true, occlusion };
+    let cases: [(DrawMode, Options, &[Pass], &[Pass]); 4] = [
         (
             hdlod,
-            Occlusion::Gpu,
-            smooth,
-            0.3,
+            options(Occlusion::Gpu, smooth, 0.3),
             &[Select, Upload, Cull, Scene, Finish, Submit],
             &[Recall, Occluders, Cull, Scene, Finish, Copy],
         ),
         (
             hdlod,
-            Occlusion::Cpu,
-            plain,
-            0.3,
+            options(Occlusion::Cpu, plain, 0.3),
             &[Select, Upload, Cull, Scene, Finish, Submit],
             &[Scene, Finish],
         ),
-        (hdlod, Occlusion::Off, plain, 0.0, &[Select, Upload, Scene, Submit], &[Scene]),
-        (batched, Occlusion::Gpu, plain, 0.0, &[Select, Upload, Scene, Submit], &[Scene]),
+        (hdlod, options(Occlusion::Off, plain, 0.0), &[Select, Upload, Scene, Submit], &[Scene]),
+        (batched, options(Occlusion::Gpu, plain, 0.0), &[Select, Upload, Scene, Submit], &[Scene]),
     ];
-    for (mode, occlusion, antialias, edges, on_cpu, on_gpu) in cases {
-        r.set_options(Options { antialias, edges, culling: true, occlusion });
+    for (mode, options, on_cpu, on_gpu) in cases {
+        r.set_options(options);
         let mut stats = r.render(&input(&scene, mode));
         assert_eq!(ran(&stats, true), [], "nothing is known of the GPU yet");
         r.wait_idle();
         assert!(r.take_gpu_times().iter().any(|times| stats.add_gpu_times(times)));
-        let case = format!("{mode:?} {occlusion:?} {antialias:?}");
+        let case = format!("{mode:?} {options:?}");
         assert_eq!(ran(&stats, false), on_cpu, "{case}");
         let on_gpu: Vec<Pass> = on_gpu.iter().copied().filter(|p| copies || *p != Copy).collect();
         assert_eq!(ran(&stats, true), on_gpu, "{case}");
