@@ -4,12 +4,15 @@
 //! can go on living between the steps. What is drawn in each frame is decided before, by pure
 //! functions of the project and the [`Plan`].
 
+pub mod export;
+pub mod table;
+
 use crate::flip::Difference;
 use crate::report::rounded;
 use glam::UVec2;
 use serde::{Serialize, Serializer};
 use std::time::Instant;
-use topout_render::{DrawMode, FrameInput, FrameStats, Renderer};
+use topout_render::{DrawMode, FrameInput, FrameStats, FrameTimings, Pass, Renderer};
 use topout_scene::{Aabb, NamedView, Progress, Scene, View};
 use topout_schedule::{Time, TimeRange};
 
@@ -206,6 +209,19 @@ pub struct Cell {
     /// [`Difference::coverage_change`] between full detail and HDLOD.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub coverage_change: Option<f64>,
+    /// What the parts of a frame took, all of [`Pass::ALL`].
+    pub passes: Vec<PassFigures>,
+}
+
+/// What one part of the frames of a cell took, in milliseconds: as [`Cell::frame_ms`] a median or a mean.
+#[derive(Clone, PartialEq, Serialize, Debug)]
+pub struct PassFigures {
+    /// As in [`Pass::ALL`].
+    pub name: &'static str,
+    /// On the CPU; `None` where it does not run there.
+    pub cpu_ms: Option<f64>,
+    /// On the GPU; `None` where it does not run there, or the adapter does not tell.
+    pub gpu_ms: Option<f64>,
 }
 
 fn moment_as_text<S: Serializer>(moment: &Moment, s: S) -> Result<S::Ok, S::Error> {
@@ -365,6 +381,18 @@ impl Measurement {
         Difference::between(&full, &hdlod)
     }
 
+    fn passes(&self) -> Vec<PassFigures> {
+        let frames = self.samples.iter().map(|(_, stats)| stats);
+        let times = FrameTimings::of_frames(frames, |ms| typical(self.key.moment, ms));
+        let rounded = |ms: Option<f64>| ms.map(|ms| rounded(ms, 3));
+        let figures = |(pass, name, _)| PassFigures {
+            name,
+            cpu_ms: rounded(times[pass].cpu_ms),
+            gpu_ms: rounded(times[pass].gpu_ms),
+        };
+        Pass::ALL.map(figures).to_vec()
+    }
+
     /// The figures; `None` before the first frame was measured.
     pub fn finish(&self) -> Option<Cell> {
         let times: Vec<f64> = self.samples.iter().map(|(ms, _)| *ms).collect();
@@ -391,6 +419,7 @@ impl Measurement {
             worst_px: self.samples.iter().fold(0.0, |worst, (_, s)| s.worst_px.max(worst)),
             flip: difference.map(|d| rounded(d.elements.into(), 4)),
             coverage_change: difference.map(|d| rounded(d.coverage_change.into(), 4)),
+            passes: self.passes(),
         })
     }
 }
@@ -438,12 +467,15 @@ pub fn measure_empty(
 }
 
 /// One frame, from the call to the end of the GPU's work, in milliseconds.
-fn timed(renderer: &mut Renderer, input: &FrameInput) -> (f64, FrameStats) {
+pub fn timed(renderer: &mut Renderer, input: &FrameInput) -> (f64, FrameStats) {
     let start = Instant::now();
-    let stats = renderer.render(input);
+    let mut stats = renderer.render(input);
     renderer.wait_idle();
     let ms = start.elapsed().as_secs_f64() * 1e3;
-    (ms, FrameStats { gpu_ms: renderer.gpu_ms(), ..stats })
+    for times in renderer.take_gpu_times() {
+        stats.add_gpu_times(&times);
+    }
+    (ms, stats)
 }
 
 /// The median of a cell at a date, the mean of the animation; `None` of nothing.
@@ -456,11 +488,11 @@ fn typical(moment: Moment, values: Vec<f64>) -> Option<f64> {
 }
 
 /// The smallest value that is not below the given share of all values; `None` of nothing.
-fn percentile(mut values: Vec<f64>, share: f64) -> Option<f64> {
+pub(crate) fn percentile(mut values: Vec<f64>, share: f64) -> Option<f64> {
     values.sort_by(f64::total_cmp);
     let rank = (values.len() as f64 * share).ceil() as usize;
     values.get(rank.max(1) - 1).copied()
 }
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;

@@ -3,30 +3,52 @@
 use anyhow::Context;
 use serde::Serialize;
 use std::io::{IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Where a sub-command's results go.
 ///
-/// Text goes to standard output, unless JSON goes there: then to a terminal on standard error.
+/// Text goes to standard output, unless something for scripts goes there: then to a terminal on standard error.
 #[derive(Clone, Debug, Default)]
 pub struct Output {
     json: Option<PathBuf>,
+    /// Standard output holds something for scripts.
+    stdout_taken: bool,
+}
+
+/// Whether a file's name stands for standard output.
+pub fn is_stdout(path: &Path) -> bool {
+    path.as_os_str() == "-"
+}
+
+/// Writes a whole file, or to standard output where its name is `-`. A reader of that which went away is
+/// no error.
+///
+/// # Errors
+/// When the file cannot be written; names it.
+pub fn write_file(path: &Path, text: &str) -> anyhow::Result<()> {
+    if is_stdout(path) {
+        let _ = std::io::stdout().write_all(text.as_bytes());
+        return Ok(());
+    }
+    std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
 }
 
 impl Output {
     /// `json` is the value of `--json`.
     pub fn new(json: Option<PathBuf>) -> Self {
-        Self { json }
+        let stdout_taken = json.as_deref().is_some_and(is_stdout);
+        Self { json, stdout_taken }
     }
 
-    fn json_on_stdout(&self) -> bool {
-        self.json.as_ref().is_some_and(|path| path.as_os_str() == "-")
+    /// The same where another file is written, too.
+    pub fn beside(self, file: Option<&Path>) -> Self {
+        Self { stdout_taken: self.stdout_taken || file.is_some_and(is_stdout), ..self }
     }
 
     /// Prints text for people. A reader that went away (`| head`) is no error.
     pub fn say(&self, text: &str) {
         let text = text.trim_end();
-        if !self.json_on_stdout() {
+        if !self.stdout_taken {
             let _ = writeln!(std::io::stdout(), "{text}");
         } else if std::io::stderr().is_terminal() {
             let _ = writeln!(std::io::stderr(), "{text}");
@@ -41,11 +63,7 @@ impl Output {
         let Some(path) = &self.json else { return Ok(()) };
         let mut text = serde_json::to_string_pretty(report).context("cannot write JSON")?;
         text.push('\n');
-        if self.json_on_stdout() {
-            let _ = std::io::stdout().write_all(text.as_bytes());
-            return Ok(());
-        }
-        std::fs::write(path, text).with_context(|| format!("cannot write {}", path.display()))
+        write_file(path, &text)
     }
 }
 
@@ -83,7 +101,8 @@ pub fn count(number: usize) -> String {
 /// Rounded to a number of decimals, so that JSON stays readable.
 pub fn rounded(value: f64, decimals: i32) -> f64 {
     let scale = 10f64.powi(decimals);
-    (value * scale).round() / scale
+    // Without the sign of a zero.
+    (value * scale).round() / scale + 0.0
 }
 
 /// Memory that the process holds now, in MB (10^6 bytes); `None` where the system does not say.

@@ -29,6 +29,7 @@ fn wrong_use_ends_with_2_and_says_what_was_expected() {
         ("render demo --at 2026-04-03 -o a.png --coverage 4", "1/4"),
         ("render demo --at 2026-04-03 -o a.png --eye 1,2,3", "--target"),
         ("check demo --date-format dmy", "%d-%m-%Y"),
+        ("bench demo --csv - --markdown -", "only one of"),
         ("demo --elements 1000", "-o <DIR>"),
         ("demo --elements 10 -o /no/such/folder", "1000"),
     ] {
@@ -151,8 +152,15 @@ fn a_written_demo_goes_through_every_sub_command() {
     assert!(baked["phases"].as_object().unwrap().len() > 3, "{baked}");
     levels_are_complete(&baked);
 
-    let measured = topout(["bench", "--size", "320x180"].iter().chain(&project)).good_json();
+    let (csv, tables) = (text(&folder.path("cells.csv")), text(&folder.path("tables.md")));
+    let bench = ["bench", "--size", "320x180", "--csv", &csv, "--markdown", &tables];
+    let measured = topout(bench.iter().chain(&project)).good_json();
     bench_is_complete(&measured);
+    let cells = std::fs::read_to_string(&csv).unwrap();
+    assert_eq!(cells.lines().count(), measured["cells"].as_array().unwrap().len() + 1);
+    let again =
+        format!("    topout bench {model} --schedule {schedule} --size 320x180 --tolerance 1\n");
+    assert!(std::fs::read_to_string(&tables).unwrap().contains(&again));
     both_rules_are_compared(&measured);
 
     let verify = ["verify", "--size", "480x270"];
@@ -231,6 +239,14 @@ fn bench_is_complete(report: &serde_json::Value) {
     assert_eq!(cells.len(), expected.len());
     for cell in cells {
         assert_keys(cell, &["p95_ms", "select_ms", "gpu_ms", "draws", "triangles"]);
+        // The parts of a frame and nothing else.
+        let passes = cell["passes"].as_array().unwrap();
+        let sum = |side: &str| passes.iter().filter_map(|p| p[side].as_f64()).sum::<f64>();
+        assert!(
+            passes.iter().any(|p| p["name"] == "selection" && p["cpu_ms"].is_number()),
+            "{cell}"
+        );
+        assert!(sum("cpu_ms") > 0.0 && sum("gpu_ms") > 0.0, "{cell}");
         assert!(number(cell, "frame_ms") > 0.0, "{cell}");
         let least = match (cell["lod"] == "hdlod", cell["time"] == "animation") {
             (true, true) => 120.0,

@@ -1,5 +1,6 @@
 //! The device: found without a window, or taken over from one.
 
+use crate::shader::ShaderTexts;
 use pollster::block_on;
 
 /// Why there is no device, or why something does not fit on it.
@@ -51,12 +52,14 @@ pub struct Gpu {
     pub queue: wgpu::Queue,
     /// Name, kind and driver of the adapter.
     pub info: wgpu::AdapterInfo,
+    pub(crate) shaders: ShaderTexts,
 }
 
 /// Everything that is used where it exists. Nothing of it is required.
 fn wanted_features() -> wgpu::Features {
     wgpu::Features::INDIRECT_FIRST_INSTANCE
         | wgpu::Features::TIMESTAMP_QUERY
+        | wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS
         | wgpu::Features::MULTI_DRAW_INDIRECT_COUNT
 }
 
@@ -125,12 +128,12 @@ impl Gpu {
             block_on(adapter.request_device(&device_descriptor(adapter))).map_err(|e| {
                 GpuError::NoDevice { adapter: info.name.clone(), reason: e.to_string() }
             })?;
-        Ok(Self { device, queue, info })
+        Ok(Self::from_parts(device, queue, info))
     }
 
     /// Takes over a device that a window has opened; see [`device_descriptor`] for how.
     pub fn from_parts(device: wgpu::Device, queue: wgpu::Queue, info: wgpu::AdapterInfo) -> Self {
-        Self { device, queue, info }
+        Self { device, queue, info, shaders: ShaderTexts::default() }
     }
 
     /// Whether the adapter is a program on the CPU.

@@ -1,6 +1,7 @@
 //! What a renderer is told, and what it answers.
 
 use crate::gpu::Gpu;
+use crate::timing::{FrameTimings, GpuTimes};
 use topout_scene::View;
 use topout_schedule::Time;
 
@@ -78,14 +79,17 @@ pub struct FrameInput {
 /// What a frame cost and drew.
 #[derive(Clone, Copy, PartialEq, Debug, Default)]
 pub struct FrameStats {
+    /// Its number among the frames of its renderer, from 1 on.
+    pub frame: u64,
     /// Milliseconds of choosing what to draw: selection, presence and culling.
     pub select_ms: f64,
     /// Milliseconds of writing and encoding commands, on the CPU.
     pub cpu_ms: f64,
-    /// Milliseconds on the GPU of the latest frame known; `None` without timestamps, and before
-    /// the first frame has come back. [`crate::Renderer::gpu_ms`] after [`crate::Renderer::wait_idle`] is that
-    /// of the last frame.
+    /// Milliseconds on the GPU; `None` until [`FrameStats::add_gpu_times`], since the GPU is still at
+    /// work when a frame is returned, and always without timestamps.
     pub gpu_ms: Option<f64>,
+    /// What its parts took.
+    pub passes: FrameTimings,
     /// Draw commands, those of one multi-draw counted each.
     pub draws: u64,
     /// Triangles of everything that is in the frame's cut.
@@ -101,4 +105,16 @@ pub struct FrameStats {
     pub visited: u32,
     /// Largest certified error of a drawn cluster, physical pixels.
     pub worst_px: f32,
+}
+
+impl FrameStats {
+    /// Takes over what the GPU took, if that is of this frame; says whether it is.
+    pub fn add_gpu_times(&mut self, times: &GpuTimes) -> bool {
+        let same = times.frame == self.frame;
+        if same {
+            self.gpu_ms = Some(times.frame_ms);
+            self.passes.set_gpu(&times.passes);
+        }
+        same
+    }
 }

@@ -13,6 +13,7 @@ mod passes;
 mod pool;
 mod readback;
 mod renderer;
+mod shader;
 mod targets;
 mod timing;
 
@@ -20,6 +21,8 @@ pub use gpu::{Gpu, GpuError, device_descriptor, instance_descriptor};
 pub use input::{Antialias, DrawMode, FrameInput, FrameStats, Occlusion, Options};
 pub use readback::Picture;
 pub use renderer::Renderer;
+pub use shader::{ShaderError, ShaderFolder};
+pub use timing::{FrameTimings, GpuTimes, Pass, PassTime};
 
 #[cfg(test)]
 mod tests;

@@ -1,5 +1,7 @@
 //! The renderer: one scene, one picture a frame.
 
+mod reload;
+
 use crate::cull::{self, Culler};
 use crate::draw_list::DrawList;
 use crate::frame::{FrameUniform, covered_rectangle, ground_height};
@@ -9,11 +11,10 @@ use crate::passes::{Edges, Glass, Ground, SceneBindings, Sky, Smooth, Solid};
 use crate::pool::{Geometry, INDEX_BYTES, INSTANCE_BYTES, Pool, VERTEX_BYTES};
 use crate::readback::{Picture, texture_bytes};
 use crate::targets::Targets;
-use crate::timing::GpuTimer;
+use crate::timing::{GpuTimer, GpuTimes, Laps, Pass};
 use glam::UVec2;
 use std::ops::Range;
 use std::sync::Arc;
-use std::time::Instant;
 use topout_scene::{Aabb, ElementId, Hdlod, Layer, Scene, View, hdlod};
 use topout_schedule::Time;
 use wgpu::util::DrawIndexedIndirectArgs as Command;
@@ -87,6 +88,8 @@ pub struct Renderer {
     /// `None`: nothing is left out.
     culler: Option<Culler>,
     timer: Option<GpuTimer>,
+    /// Frames drawn so far.
+    frames: u64,
     list: DrawList,
     pool: Option<Pool>,
     scene: Option<Arc<Scene>>,
@@ -131,6 +134,7 @@ impl Renderer {
             culler: Culler::new(gpu, options.occlusion, samples)
                 .expect("a device holds a few small buffers"),
             timer: GpuTimer::new(gpu),
+            frames: 0,
             list: DrawList::default(),
             pool: None,
             scene: None,
@@ -154,10 +158,7 @@ impl Renderer {
         if (options.antialias, options.occlusion)
             != (self.options.antialias, self.options.occlusion)
         {
-            self.culler = Culler::new(&self.gpu, options.occlusion, self.passes.samples)
-                .inspect_err(|error| tracing::warn!("{error}; drawing what nobody sees too"))
-                .ok()
-                .flatten();
+            self.culler = new_culler(&self.gpu, options, self.passes.samples);
         }
         self.options = options;
     }
@@ -261,19 +262,24 @@ impl Renderer {
         if self.targets.size != view.size {
             self.new_targets(view.size);
         }
-        let start = Instant::now();
+        self.frames += 1;
+        if let Some(timer) = &mut self.timer {
+            timer.begin_frame(self.frames);
+        }
+        let mut laps = Laps::start();
         let mut stats = self.select(&view, input.time, input.mode);
-        let selected = Instant::now();
-        stats.select_ms = (selected - start).as_secs_f64() * 1e3;
-        let culled = self.encode(&view, input.mode);
-        stats.cpu_ms = selected.elapsed().as_secs_f64() * 1e3;
+        laps.end(Pass::Select);
+        stats.select_ms = laps.timings.cpu_ms();
+        let culled = self.encode(&view, input.mode, &mut laps);
+        stats.cpu_ms = laps.timings.cpu_ms() - stats.select_ms;
+        stats.passes = laps.timings;
+        stats.frame = self.frames;
         // What is left of the clusters is one draw a layer.
         let packed = if culled { 2 } else { 0 };
         let commands = self.list.elements.len() + self.list.clusters.len();
         stats.draws = commands as u64 + packed;
         let left = self.culler.as_ref().filter(|_| self.cuts(input.mode)).and_then(Culler::left);
         stats.left = left.map(|left| left + self.list.elements.triangles());
-        stats.gpu_ms = self.gpu_ms();
         stats
     }
 
@@ -296,7 +302,24 @@ impl Renderer {
     /// Milliseconds that the GPU spent on the latest frame known to be finished; `None` where the
     /// adapter has no timestamps.
     pub fn gpu_ms(&mut self) -> Option<f64> {
-        self.timer.as_mut().and_then(GpuTimer::latest_ms)
+        self.timer.as_mut().and_then(GpuTimer::latest).map(|times| times.frame_ms)
+    }
+
+    /// What the GPU took for frames whose times have arrived since the last call, at most the latest
+    /// three; empty where the adapter has no timestamps. Does not wait: after [`Renderer::wait_idle`] the
+    /// last frame is among them.
+    pub fn take_gpu_times(&mut self) -> Vec<GpuTimes> {
+        self.timer.as_mut().map_or_else(Vec::new, GpuTimer::take)
+    }
+
+    /// Whether [`Renderer::take_gpu_times`] will bring times of frames that are drawn already.
+    pub fn expects_gpu_times(&self) -> bool {
+        self.timer.as_ref().is_some_and(GpuTimer::is_under_way)
+    }
+
+    /// Whether the adapter tells how long it took.
+    pub fn has_timestamps(&self) -> bool {
+        self.timer.is_some()
     }
 
     /// Bytes that buffers and textures hold on the GPU.
@@ -369,17 +392,22 @@ impl Renderer {
     }
 
     /// Writes and submits the commands of a frame. Says whether clusters were culled.
-    fn encode(&mut self, view: &View, mode: DrawMode) -> bool {
+    fn encode(&mut self, view: &View, mode: DrawMode, laps: &mut Laps) -> bool {
         let uniform = FrameUniform::new(view, &self.bounds, self.ground, self.options.edges);
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         let covered = covered_rectangle(&uniform, &self.bounds, view.tolerance_px);
+        laps.end(Pass::Upload);
         let culled = self.cuts(mode) && self.prepare_culling(view, &uniform, covered);
+        if self.cuts(mode) && self.culler.is_some() {
+            laps.end(Pass::Cull);
+        }
         if let (Some(scene), Some(pool)) = (&self.scene, &self.pool) {
             self.list.push_elements(&scene.model, &pool.meshes);
         }
         let indirect =
             mode != DrawMode::Objects && self.gpu.has(wgpu::Features::INDIRECT_FIRST_INSTANCE);
         let offsets = indirect.then(|| self.write_commands()).flatten();
+        laps.end(Pass::Upload);
         let mut encoder = self
             .gpu
             .device
@@ -391,10 +419,13 @@ impl Renderer {
         let from_above = uniform.sees_ground_from_above();
         if culled {
             self.record_culling(&mut encoder, view, &uniform, offsets, covered);
+            laps.end(Pass::Cull);
         }
-        self.draw_scene(&mut encoder, mode, offsets, culled, from_above, finish.is_none());
+        self.draw_scene(&mut encoder, mode, offsets, culled, from_above);
+        laps.end(Pass::Scene);
         if let Some(rectangle) = finish {
             self.draw_finish(&mut encoder, rectangle);
+            laps.end(Pass::Finish);
         }
         if let Some(timer) = &mut self.timer {
             timer.resolve(&mut encoder);
@@ -403,7 +434,13 @@ impl Renderer {
         if let Some(timer) = &mut self.timer {
             timer.submitted();
         }
+        laps.end(Pass::Submit);
         culled
+    }
+
+    /// The stamps of a render pass of this frame.
+    fn stamps(&self, pass: Pass) -> Option<wgpu::RenderPassTimestampWrites<'_>> {
+        self.timer.as_ref().and_then(|timer| timer.of_render(pass))
     }
 
     /// Brings all commands into the indirect buffer with one write. `None` where they do not fit;
@@ -449,7 +486,6 @@ impl Renderer {
         offsets: Option<CommandOffsets>,
         culled: bool,
         ground: bool,
-        last: bool,
     ) {
         let (view, resolve_target) = match &self.targets.many {
             Some(many) => (&many.view, Some(&self.targets.scene.view)),
@@ -457,7 +493,6 @@ impl Renderer {
         };
         let store =
             if resolve_target.is_some() { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
-        let first = !(culled && self.culler.as_ref().is_some_and(Culler::has_kernels));
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("scene"),
             color_attachments: &[Some(wgpu::RenderPassColorAttachment {
@@ -470,7 +505,7 @@ impl Renderer {
                 },
             })],
             depth_stencil_attachment: Some(self.cleared_depth()),
-            timestamp_writes: self.timer.as_ref().and_then(|t| t.stamps(first, last)),
+            timestamp_writes: self.stamps(Pass::Scene),
             ..Default::default()
         });
         pass.set_bind_group(0, &self.scene_group, &[]);
@@ -528,7 +563,7 @@ impl Renderer {
             model: &self.scene.as_ref()?.model,
             tree: self.hdlod.as_ref()?,
             geometry: self.pool.as_ref()?.clusters.as_ref()?,
-            stamp: self.timer.as_ref().map(GpuTimer::first_of_kernels),
+            timer: self.timer.as_ref(),
         })
     }
 
@@ -573,6 +608,7 @@ impl Renderer {
                     label: Some("occluders"),
                     color_attachments: &[],
                     depth_stencil_attachment: Some(self.cleared_depth()),
+                    timestamp_writes: self.stamps(Pass::Occluders),
                     ..Default::default()
                 });
                 pass.set_bind_group(0, &self.scene_group, &[]);
@@ -666,7 +702,7 @@ impl Renderer {
                 ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
             })],
             depth_stencil_attachment: depth,
-            timestamp_writes: self.timer.as_ref().and_then(|t| t.stamps(false, true)),
+            timestamp_writes: self.stamps(Pass::Finish),
             ..Default::default()
         });
         pass.set_scissor_rect(x, y, w, h);
@@ -679,13 +715,20 @@ impl Renderer {
         drop(pass);
         if smooths {
             let extent = wgpu::Extent3d { width: w, height: h, depth_or_array_layers: 1 };
-            encoder.copy_texture_to_texture(
-                self.targets.smoothed.part(x, y),
-                self.targets.scene.part(x, y),
-                extent,
-            );
+            let (from, to) = (self.targets.smoothed.part(x, y), self.targets.scene.part(x, y));
+            GpuTimer::around(self.timer.as_ref(), Pass::Copy, encoder, |encoder| {
+                encoder.copy_texture_to_texture(from, to, extent);
+            });
         }
     }
+}
+
+/// `None` also where there is no room for it.
+fn new_culler(gpu: &Gpu, options: Options, samples: u32) -> Option<Culler> {
+    Culler::new(gpu, options.occlusion, samples)
+        .inspect_err(|error| tracing::warn!("{error}; drawing what nobody sees too"))
+        .ok()
+        .flatten()
 }
 
 /// The paper's baseline (R12): every object brings its own mesh and its own place, as in a viewer

@@ -4,8 +4,9 @@
 
 use crate::cull::{Item, gpu as kernels};
 use crate::frame::FrameUniform;
-use crate::passes::SHADERS;
+use crate::passes::{INSTANCE_ATTRIBUTES, VERTEX_ATTRIBUTES};
 use crate::pool::{InstanceRow, MaterialRow};
+use crate::shader::{self, Shader};
 use std::mem::offset_of;
 use topout_scene::{Vertex, decode_normal, encode_normal};
 
@@ -14,8 +15,11 @@ fn parse(name: &str, text: &str) -> naga::Module {
         .unwrap_or_else(|e| panic!("{name}: {}", e.emit_to_string(text)))
 }
 
-/// The WGSL struct of that name as (member, offset) and its size.
-fn layout(module: &naga::Module, name: &str) -> (Vec<(String, u32)>, u32) {
+/// Members with their offsets, and the size.
+type Layout = (Vec<(String, u32)>, u32);
+
+/// The WGSL struct of that name.
+fn layout(module: &naga::Module, name: &str) -> Layout {
     let (_, ty) = module
         .types
         .iter()
@@ -39,7 +43,7 @@ macro_rules! rust_layout {
 #[test]
 fn every_shader_is_valid() {
     use naga::valid::{Capabilities, ValidationFlags, Validator};
-    for (name, text) in SHADERS.into_iter().chain(kernels::KERNELS) {
+    for Shader { name, text, .. } in shader::all() {
         let module = parse(name, text);
         Validator::new(ValidationFlags::all(), Capabilities::empty())
             .validate(&module)
@@ -48,62 +52,112 @@ fn every_shader_is_valid() {
     }
 }
 
+/// A file that no shader of the list is made of would be neither validated nor looked after.
 #[test]
-fn frame_is_laid_out_alike_in_every_shader() {
-    let rust = rust_layout!(FrameUniform {
-        clip_from_world,
-        eye,
-        parallel,
-        forward,
-        ground,
-        right,
-        haze_m,
-        up,
-        grid_m,
-        sun,
-        height_m,
-        middle,
-        half_extent,
-        size,
-        bend,
-        edges,
-        near,
-        pixel_m,
-        padding,
-    });
-    let tests = kernels::KERNELS.into_iter().filter(|(name, _)| name.starts_with("test"));
-    for (name, text) in SHADERS.into_iter().chain(tests) {
-        assert_eq!(layout(&parse(name, text), "Frame"), rust, "{name}");
-    }
-}
-
-#[test]
-fn material_is_laid_out_alike() {
-    let rust = rust_layout!(MaterialRow { color, roughness, metallic, padding });
-    for (name, text) in &SHADERS[..2] {
-        assert_eq!(layout(&parse(name, text), "Material"), rust, "{name}");
-    }
-}
-
-#[test]
-fn culling_is_laid_out_alike() {
-    let uniform = rust_layout!(kernels::CullUniform {
-        low,
-        high,
-        items,
-        opaque_items,
-        samples,
-        padding,
-        levels,
-    });
-    let item = rust_layout!(Item { triangle, count, base_vertex });
-    for (name, text) in kernels::KERNELS {
-        let module = parse(name, text);
-        assert_eq!(layout(&module, "Cull"), uniform, "{name}");
-        if name != "pyramid, one sample" && name != "pyramid, many samples" {
-            assert_eq!(layout(&module, "Item"), item, "{name}");
+fn every_file_belongs_to_a_shader() {
+    fn below(folder: &std::path::Path, files: &mut Vec<std::path::PathBuf>) {
+        for entry in std::fs::read_dir(folder).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() { below(&path, files) } else { files.push(path) }
         }
     }
+    let root = std::path::Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../shaders"));
+    let mut found = Vec::new();
+    below(root, &mut found);
+    let named: Vec<_> = shader::all().flat_map(|s| s.files).map(|file| root.join(file)).collect();
+    let lost: Vec<_> = found.iter().filter(|path| !named.contains(path)).collect();
+    assert!(found.len() > 15 && lost.is_empty(), "{lost:?}");
+}
+
+/// The structs that Rust writes and WGSL reads, or the other way round, by their names in WGSL.
+fn shared_layouts() -> Vec<(&'static str, Layout)> {
+    let command = |members: [&str; 5]| {
+        let words = members.iter().zip(0..).map(|(name, i)| ((*name).to_owned(), i * 4));
+        (words.collect(), kernels::COMMAND_BYTES as u32)
+    };
+    vec![
+        (
+            "Frame",
+            rust_layout!(FrameUniform {
+                clip_from_world,
+                eye,
+                parallel,
+                forward,
+                ground,
+                right,
+                haze_m,
+                up,
+                grid_m,
+                sun,
+                height_m,
+                middle,
+                half_extent,
+                size,
+                bend,
+                edges,
+                near,
+                pixel_m,
+                padding,
+            }),
+        ),
+        ("Material", rust_layout!(MaterialRow { color, roughness, metallic, padding })),
+        (
+            "Cull",
+            rust_layout!(kernels::CullUniform {
+                low,
+                high,
+                items,
+                opaque_items,
+                samples,
+                padding,
+                levels,
+            }),
+        ),
+        ("Item", rust_layout!(Item { triangle, count, base_vertex })),
+        // What `draw_indexed_indirect` reads.
+        (
+            "Command",
+            command([
+                "index_count",
+                "instance_count",
+                "first_index",
+                "base_vertex",
+                "first_instance",
+            ]),
+        ),
+    ]
+}
+
+/// Every struct in a buffer of any shader is one of the above and laid out as that one.
+#[test]
+fn shared_structs_are_laid_out_alike() {
+    let shared = shared_layouts();
+    let mut met = std::collections::BTreeSet::new();
+    for Shader { name, text, .. } in shader::all() {
+        let module = parse(name, text);
+        for (_, variable) in module.global_variables.iter() {
+            let in_buffer = matches!(
+                variable.space,
+                naga::AddressSpace::Uniform | naga::AddressSpace::Storage { .. }
+            );
+            let mut ty = &module.types[variable.ty];
+            while let naga::TypeInner::Array { base, .. } = ty.inner {
+                ty = &module.types[base];
+            }
+            if !in_buffer || !matches!(ty.inner, naga::TypeInner::Struct { .. }) {
+                continue;
+            }
+            let struct_name = ty.name.as_deref().unwrap();
+            let (known, rust) = shared
+                .iter()
+                .find(|(known, _)| *known == struct_name)
+                .unwrap_or_else(|| panic!("{name}: {struct_name} has no twin in Rust"));
+            assert_eq!(layout(&module, struct_name), *rust, "{name}: {struct_name}");
+            met.insert(*known);
+        }
+    }
+    assert_eq!(met.len(), shared.len(), "{met:?}");
+    assert_eq!(size_of::<wgpu::util::DrawIndexedIndirectArgs>() as u64, kernels::COMMAND_BYTES);
 }
 
 /// Cut where words of the tables of bits begin, spans still name each triangle once: what is drawn where
@@ -149,6 +203,9 @@ fn vertex_is_packed_as_the_shader_reads_it() {
     assert_eq!((offset_of!(Vertex, position), offset_of!(Vertex, normal)), (0, 12));
     assert_eq!((offset_of!(Vertex, material), size_of::<Vertex>()), (14, 16));
     assert_eq!(size_of::<InstanceRow>(), 48);
+    assert_eq!(VERTEX_ATTRIBUTES.map(|a| (a.shader_location, a.offset)), [(0, 0), (1, 12)]);
+    let rows = INSTANCE_ATTRIBUTES.map(|a| (a.shader_location, a.offset));
+    assert_eq!(rows, [(2, 0), (3, 16), (4, 32)]);
     let vertex = Vertex { position: [0.0; 3], normal: [-127, 64], material: 0xabcd };
     let word = bytemuck::cast::<Vertex, [u32; 4]>(vertex)[3];
     assert_eq!(word >> 16, 0xabcd);

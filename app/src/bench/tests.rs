@@ -7,6 +7,46 @@ use std::collections::{BTreeSet, HashSet};
 
 const MODES: [DrawMode; 3] = [DrawMode::Hdlod, DrawMode::Batched, DrawMode::Objects];
 
+/// A cell that takes `frame_ms`, everything else being the same.
+pub fn cell(moment: Moment, coverage: Coverage, mode: DrawMode, frame_ms: f64) -> Cell {
+    let hdlod = mode == DrawMode::Hdlod;
+    let passes = Pass::ALL.map(|(pass, name, _)| PassFigures {
+        name,
+        cpu_ms: [Pass::Select, Pass::Scene].contains(&pass).then_some(0.25),
+        gpu_ms: None,
+    });
+    Cell {
+        moment,
+        coverage,
+        mode,
+        frame_ms,
+        p95_ms: frame_ms,
+        select_ms: 0.0,
+        gpu_ms: None,
+        draws: 1,
+        triangles: 1234,
+        left: hdlod.then_some(123),
+        clusters: 0,
+        frames: 30,
+        worst_px: 0.0,
+        flip: hdlod.then_some(0.01),
+        coverage_change: hdlod.then_some(-0.02),
+        passes: passes.to_vec(),
+    }
+}
+
+/// The paper's own table, as if it had been measured here.
+pub fn papers_cells() -> Vec<Cell> {
+    let mut cells = Vec::new();
+    for (row, (moment, _)) in table::PAPER.into_iter().zip(Moment::ALL) {
+        for (ms, (coverage, _)) in row.into_iter().zip(Coverage::ALL) {
+            cells.push(cell(moment, coverage, DrawMode::Hdlod, ms));
+        }
+        cells.push(cell(moment, Coverage::Full, DrawMode::Objects, row[3]));
+    }
+    cells
+}
+
 fn plan() -> Plan {
     Plan::new(UVec2::new(1280, 720), 1.0)
 }
@@ -174,5 +214,11 @@ fn a_cell_says_in_json_what_the_contract_lists() {
         ("coverage_change", (-0.125).into()),
     ] {
         assert_eq!(json[name], expected, "{name}");
+    }
+    let names: Vec<&str> =
+        json["passes"].as_array().unwrap().iter().map(|p| p["name"].as_str().unwrap()).collect();
+    assert_eq!(names, Pass::ALL.map(|(_, name, _)| name));
+    for pass in json["passes"].as_array().unwrap() {
+        assert!(pass["cpu_ms"].is_null() && pass["gpu_ms"].is_null(), "nothing was timed: {pass}");
     }
 }

@@ -1,8 +1,9 @@
 //! What can be written on the command line. A contract: scripts call it.
 
 use crate::project::{Request, Source};
+use crate::report::is_stdout;
 use clap::builder::{NonEmptyStringValueParser, TypedValueParser};
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use glam::{DVec3, UVec2};
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -245,9 +246,52 @@ pub struct Bench {
     #[command(flatten)]
     pub common: Common,
 
+    /// Also write every figure of every cell to this file, as CSV; - is standard output.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+
+    /// Also write the tables to this file, as Markdown; - is standard output.
+    #[arg(long, value_name = "FILE")]
+    pub markdown: Option<PathBuf>,
+
     #[allow(missing_docs)]
     #[command(flatten)]
     pub caching: Caching,
+}
+
+impl Bench {
+    /// Refuses what would mix two answers on standard output.
+    ///
+    /// # Errors
+    /// Wrong use, as clap reports it.
+    pub fn check(&self) -> Result<(), clap::Error> {
+        let files = [&self.common.json, &self.csv, &self.markdown];
+        let to_stdout = files.into_iter().flatten().filter(|file| is_stdout(file)).count();
+        if to_stdout > 1 {
+            let told = "only one of --json, --csv and --markdown can go to standard output";
+            return Err(Cli::command().error(clap::error::ErrorKind::ArgumentConflict, told));
+        }
+        Ok(())
+    }
+
+    /// The options that choose what is measured, besides those of project and plan.
+    pub fn choices(&self) -> Vec<String> {
+        fn choice(name: &str, value: &impl ValueEnum) -> [String; 2] {
+            let value = value.to_possible_value();
+            [name.to_owned(), value.map_or_else(String::new, |v| v.get_name().to_owned())]
+        }
+        let Common { lod, temporal, simplifier, occlusion, .. } = &self.common;
+        let mut words = Vec::new();
+        words.extend(lod.iter().flat_map(|lod| choice("--lod", lod)));
+        if *temporal != TemporalRule::Tight {
+            words.extend(choice("--temporal", temporal));
+        }
+        if *simplifier != SimplifierChoice::Covers {
+            words.extend(choice("--simplifier", simplifier));
+        }
+        words.extend(occlusion.iter().flat_map(|occlusion| choice("--occlusion", occlusion)));
+        words
+    }
 }
 
 /// `topout cache`
@@ -475,7 +519,6 @@ fn date_format(text: String) -> Result<String, String> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use clap::CommandFactory;
     use clap::error::ErrorKind;
 
     fn parse(line: &str) -> Result<Cli, ErrorKind> {
@@ -566,6 +609,20 @@ mod tests {
         assert!(parse("topout render demo --at 2026-05-04 -o a.jpg").is_err());
         assert!(parse("topout render demo -o a.png").is_err());
         assert!(parse("topout check").is_err());
+    }
+
+    #[test]
+    fn answers_are_not_mixed_on_standard_output() {
+        let bench = |line: &str| match parse(&format!("topout bench demo {line}")).unwrap().command
+        {
+            Some(Command::Bench(args)) => args,
+            other => panic!("{other:?}"),
+        };
+        assert!(bench("--csv - --json a.json --markdown t.md").check().is_ok());
+        let error = bench("--csv - --markdown -").check().unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::ArgumentConflict);
+        let args = bench("--lod hdlod --temporal paper --simplifier covers --occlusion off");
+        assert_eq!(args.choices().join(" "), "--lod hdlod --temporal paper --occlusion off");
     }
 
     #[test]

@@ -2,8 +2,9 @@
 
 use super::stage::Stage;
 use super::{Outcome, args, table, terminal};
+use crate::bench::export::{self, Export, Format};
 use crate::bench::{Cell, CellKey, Moment, Plan, cells, measure, measure_empty, mode_name};
-use crate::report::{Output, count, rounded, rss_mb};
+use crate::report::{Output, count, rounded, rss_mb, write_file};
 use serde::Serialize;
 use std::sync::Arc;
 use topout_render::{DrawMode, Gpu, Renderer};
@@ -42,7 +43,10 @@ pub struct RuleCell {
 /// Measures, prints the table and reports.
 pub fn run(args: &args::Bench) -> anyhow::Result<Outcome> {
     let common = &args.common;
-    let output = Output::new(common.json.clone());
+    let files = [(Format::Csv, args.csv.as_deref()), (Format::Markdown, args.markdown.as_deref())];
+    let output = files
+        .iter()
+        .fold(Output::new(common.json.clone()), |output, (_, file)| output.beside(*file));
     let modes: Vec<DrawMode> = match common.lod {
         Some(lod) => vec![lod.into()],
         None => vec![DrawMode::Hdlod, DrawMode::Batched, DrawMode::Objects],
@@ -83,6 +87,20 @@ pub fn run(args: &args::Bench) -> anyhow::Result<Outcome> {
     };
     output.say(&report.text());
     output.write(&report)?;
+    let choices = args.choices();
+    let more: Vec<&str> = choices.iter().map(String::as_str).collect();
+    let export = Export {
+        cells: &report.cells,
+        adapter: &report.adapter,
+        plan: &plan,
+        empty_ms: Some(empty_ms),
+        command: &export::command(&common.request(), &plan, &more),
+    };
+    for (format, file) in files {
+        if let Some(file) = file {
+            write_file(file, &export.text(format)?)?;
+        }
+    }
     Ok(Outcome::Fine)
 }
 
@@ -152,7 +170,6 @@ impl Report {
             self.adapter,
         );
         text.push_str(&table::measured(&self.cells));
-        text.push_str(&table::compared(&self.cells));
         text.push_str(&table::rules(&self.temporal));
         text.push_str(&format!(
             "\nA frame with nothing in it takes {:.1} ms. Memory: {} MB, on the GPU {} MB.\n",

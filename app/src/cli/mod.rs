@@ -46,7 +46,10 @@ pub fn run() -> ExitCode {
         Some(Command::Check(args)) => check::run(&args),
         Some(Command::Bake(args)) => bake::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
-        Some(Command::Bench(args)) => bench::run(&args),
+        Some(Command::Bench(args)) => {
+            args.check().unwrap_or_else(|error| error.exit());
+            bench::run(&args)
+        }
         Some(Command::Cache(args)) => cache::run(&args),
         Some(Command::Verify(args)) => verify::run(&args),
         None => crate::window::run(Some(cli.viewer_request())).map(|()| Outcome::Fine),

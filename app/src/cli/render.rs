@@ -2,7 +2,7 @@
 
 use super::stage::{Stage, view};
 use super::{Outcome, args};
-use crate::bench::mode_name;
+use crate::bench::{mode_name, timed};
 use crate::flip::rgb;
 use crate::report::{Output, grouped, rounded};
 use anyhow::Context;
@@ -68,10 +68,7 @@ fn steady_frame(renderer: &mut Renderer, input: &FrameInput) -> (f64, FrameStats
     let began = Instant::now();
     let mut best: Option<(f64, FrameStats)> = None;
     for _ in 0..5 {
-        let start = Instant::now();
-        let stats = renderer.render(input);
-        renderer.wait_idle();
-        let ms = start.elapsed().as_secs_f64() * 1e3;
+        let (ms, stats) = timed(renderer, input);
         if best.as_ref().is_none_or(|(least, _)| ms < *least) {
             best = Some((ms, stats));
         }

@@ -2,6 +2,7 @@
 
 use super::camera::Camera;
 use super::theme::Scheme;
+use crate::bench::export::Format;
 use crate::project::Request;
 use egui::{Key, Modifiers};
 use std::path::PathBuf;
@@ -18,6 +19,8 @@ pub enum Panel {
     Timeline,
     /// Figures of the last frames.
     Figures,
+    /// Their times as a graph.
+    Graph,
     /// Findings in the data.
     Diagnostics,
     /// The paper's table, measured here.
@@ -43,7 +46,7 @@ pub enum Command {
     ReloadSchedule,
     /// Stop loading.
     CancelLoading,
-    /// Close the message about what happened to the schedule.
+    /// Close the message about what happened to the schedule, or to a file that was saved.
     DismissNews,
     /// Tell the user what went wrong.
     Report(String),
@@ -102,6 +105,8 @@ pub enum Command {
     MeasureTable,
     /// Stop measuring.
     CancelTable,
+    /// Ask for a file and write the table to it.
+    SaveTable(Format),
     /// Put a text on the clipboard.
     Copy(String),
 }
@@ -196,6 +201,7 @@ pub fn actions() -> Vec<Action> {
         action(C::Toggle(Panel::Inspector), "Inspector", Some(S::key(Key::I))),
         action(C::Toggle(Panel::Timeline), "Timeline", Some(S::key(Key::T))),
         action(C::Toggle(Panel::Figures), "Frame figures", Some(S::key(Key::P))),
+        action(C::Toggle(Panel::Graph), "Frame times", Some(S::key(Key::G))),
         action(C::Toggle(Panel::Diagnostics), "Diagnostics", Some(S::key(Key::D))),
         action(C::ToggleLevelColors, "Color by level", Some(S::key(Key::C))),
         action(C::ToggleScheme, "Dark or light", Some(S::key(Key::L))),

@@ -2,7 +2,9 @@
 
 use super::calendar::Calendar;
 use super::reload::Edit;
+use crate::bench::export::Format;
 use crate::project::{self, Request};
+use crate::report::write_file;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::mpsc::{self, TryRecvError};
@@ -240,14 +242,21 @@ pub enum Answer {
     Chosen(Vec<PathBuf>),
     /// The user closed it.
     Closed,
-    /// The system has no file dialog.
-    NoDialog,
+    /// A file that was written, or why it could not be.
+    Saved(anyhow::Result<PathBuf>),
+    /// The system has no file dialog; what to do instead.
+    NoDialog(&'static str),
 }
 
 /// Said when the system has no file dialog.
-pub const NO_DIALOG: &str = "This system offers no file dialog: neither a desktop portal \
+const NO_OPEN_DIALOG: &str = "This system offers no file dialog: neither a desktop portal \
     (xdg-desktop-portal) nor zenity answers. Install one of them, drop the files on this window, \
     or name them on the command line: topout MODEL --schedule FILE";
+
+/// The same where a table was to be saved.
+const NO_SAVE_DIALOG: &str = "This system offers no file dialog: neither a desktop portal \
+    (xdg-desktop-portal) nor zenity answers. Install one of them, copy the table, or measure on the \
+    command line: topout bench MODEL --schedule FILE --csv FILE --markdown FILE";
 
 /// Asks for files without stopping the window.
 ///
@@ -265,16 +274,40 @@ pub fn ask(what: Ask, wake: Wake) -> std::io::Result<Job<Answer>> {
     let asked = Instant::now();
     // Some systems insist that dialogs start on the main thread; waiting happens on another.
     let chosen = dialog.pick_files();
-    Job::spawn("topout-dialog", wake, move |_| {
-        match pollster::block_on(chosen) {
-            Some(files) => Answer::Chosen(files.iter().map(|f| f.path().to_owned()).collect()),
-            // Nobody closes a dialog this fast: there was none.
-            None if asked.elapsed() < Duration::from_millis(400) && !has_zenity() => {
-                Answer::NoDialog
-            }
-            None => Answer::Closed,
-        }
+    Job::spawn("topout-dialog", wake, move |_| match pollster::block_on(chosen) {
+        Some(files) => Answer::Chosen(files.iter().map(|f| f.path().to_owned()).collect()),
+        None => no_file(asked, NO_OPEN_DIALOG),
     })
+}
+
+/// Asks for a file and writes a table's text to it, without stopping the window.
+///
+/// # Errors
+/// When the system has no thread to give.
+pub fn save(format: Format, text: String, wake: Wake) -> std::io::Result<Job<Answer>> {
+    let (name, extension) = format.names();
+    let asked = Instant::now();
+    let chosen = rfd::AsyncFileDialog::new()
+        .set_title(format!("Save as {name}"))
+        .add_filter(name, &[extension])
+        .set_file_name(format!("hdlod.{extension}"))
+        .save_file();
+    Job::spawn("topout-dialog", wake, move |_| match pollster::block_on(chosen) {
+        Some(file) => {
+            let path = file.path().to_owned();
+            Answer::Saved(write_file(&path, &text).map(|()| path))
+        }
+        None => no_file(asked, NO_SAVE_DIALOG),
+    })
+}
+
+/// What a dialog without a file means. Nobody closes one within a moment: then there was none.
+fn no_file(asked: Instant, instead: &'static str) -> Answer {
+    if asked.elapsed() < Duration::from_millis(400) && !has_zenity() {
+        Answer::NoDialog(instead)
+    } else {
+        Answer::Closed
+    }
 }
 
 fn has_zenity() -> bool {

@@ -7,6 +7,8 @@ mod calendar;
 mod camera;
 mod chrome;
 mod command;
+mod frames;
+mod graph;
 mod inspector;
 mod loading;
 mod overlay;
@@ -20,7 +22,7 @@ mod viewport;
 pub use calendar::Calendar;
 pub use camera::Camera;
 pub use command::{Action, Command, Panel, Shortcut, actions};
-pub use overlay::FrameLog;
+pub use frames::FrameLog;
 pub use state::AppState;
 pub use table::Table;
 pub use theme::Scheme;
@@ -114,6 +116,12 @@ impl Window {
         &self.state
     }
 
+    /// Whether what is shown will change without the user: a thread is at work, or the GPU has not told
+    /// what a frame took.
+    pub fn is_busy(&self) -> bool {
+        self.state.is_busy() || self.viewport.expects_gpu_times()
+    }
+
     /// For driving the window from a program.
     pub fn state_mut(&mut self) -> &mut AppState {
         &mut self.state
@@ -188,6 +196,7 @@ impl eframe::App for Window {
                 });
             }
             overlay::show(ui, place, &self.state, &mut commands);
+            graph::show(&ctx, &self.state, place, &mut commands);
         });
         let changed = changed || !commands.is_empty();
         for command in commands {
@@ -197,7 +206,7 @@ impl eframe::App for Window {
         if changed || self.state.playing {
             // The panels were drawn before the change.
             ctx.request_repaint();
-        } else if self.state.is_busy() || self.viewport.waits_for_gpu() {
+        } else if self.is_busy() {
             ctx.request_repaint_after(PROGRESS_EVERY);
         }
     }

@@ -1,71 +1,12 @@
 //! What floats in the corners of the 3D view: figures, standard views, progress and messages.
 
-use super::command::{Command, keys_of};
+use super::command::{Command, Panel, keys_of};
 use super::loading::Job;
 use super::state::{AppState, Tree};
 use super::theme::{SMALL, palette};
 use egui::{Align2, Frame, Margin, Rect, RichText, Ui};
-use std::collections::VecDeque;
 use topout_render::{DrawMode, FrameStats};
 use topout_scene::{Hdlod, NamedView};
-
-/// Frames that the median and the percentile look back on.
-const REMEMBERED: usize = 120;
-
-/// Figures of the last frames that were really rendered.
-#[derive(Clone, Debug, Default)]
-pub struct FrameLog {
-    milliseconds: VecDeque<f64>,
-    last: Option<FrameStats>,
-}
-
-impl FrameLog {
-    /// Shows what a frame drew; its time is known only later, see [`FrameLog::add`].
-    pub fn show(&mut self, stats: FrameStats) {
-        self.last = Some(stats);
-    }
-
-    /// Counts the time of a frame: choosing and encoding on the CPU plus drawing on the GPU, as if
-    /// nothing overlapped.
-    pub fn add(&mut self, stats: &FrameStats) {
-        if self.milliseconds.len() == REMEMBERED {
-            self.milliseconds.pop_front();
-        }
-        let ms = stats.select_ms + stats.cpu_ms + stats.gpu_ms.unwrap_or(0.0);
-        self.milliseconds.push_back(ms);
-        if let Some(last) = &mut self.last {
-            last.gpu_ms = stats.gpu_ms;
-        }
-    }
-
-    /// Forgets: what follows is drawn in another way.
-    pub fn clear(&mut self) {
-        *self = Self::default();
-    }
-
-    /// The figures of the last frame.
-    pub fn last(&self) -> Option<&FrameStats> {
-        self.last.as_ref()
-    }
-
-    /// Frames whose time is remembered.
-    pub fn len(&self) -> usize {
-        self.milliseconds.len()
-    }
-
-    /// Whether no time is remembered.
-    pub fn is_empty(&self) -> bool {
-        self.milliseconds.is_empty()
-    }
-
-    /// The time that a share of the frames stays within: 0.5 is the median. `None` without frames.
-    pub fn percentile(&self, share: f64) -> Option<f64> {
-        let mut sorted: Vec<f64> = self.milliseconds.iter().copied().collect();
-        sorted.sort_by(f64::total_cmp);
-        let rank = (share * sorted.len() as f64).ceil() as usize;
-        sorted.get(rank.saturating_sub(1)).copied()
-    }
-}
 
 /// `53 k`, `3.6 M`: at most three figures.
 pub fn short_count(count: u64) -> String {
@@ -89,7 +30,7 @@ pub fn show(ui: &mut Ui, place: Rect, state: &AppState, commands: &mut Vec<Comma
     }
     corner(ui, inner, Align2::RIGHT_TOP, "views", |ui| views(ui, commands));
     if state.panels.figures {
-        corner(ui, inner, Align2::RIGHT_BOTTOM, "figures", |ui| figures(ui, state));
+        corner(ui, inner, Align2::RIGHT_BOTTOM, "figures", |ui| figures(ui, state, commands));
     }
 }
 
@@ -137,13 +78,19 @@ fn views(ui: &mut Ui, commands: &mut Vec<Command>) {
     });
 }
 
-fn figures(ui: &mut Ui, state: &AppState) {
+fn figures(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let Some(stats) = state.frames.last() else { return };
+    let graph = Command::Toggle(Panel::Graph);
     card(ui).show(ui, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Extend);
-        let line = |ui: &mut Ui, text: String, tip: &str| {
-            ui.label(RichText::new(text).size(SMALL)).on_hover_text(tip);
+        let mut line = |ui: &mut Ui, text: String, tip: &str| {
+            let label =
+                egui::Label::new(RichText::new(text).size(SMALL)).sense(egui::Sense::click());
+            let tip = format!("{tip}\nClick: graph of the frame times ({})", keys_of(&graph));
+            if ui.add(label).on_hover_text(tip).clicked() {
+                commands.push(graph.clone());
+            }
         };
         let ms = |share| {
             state.frames.percentile(share).map_or_else(|| "–".to_owned(), |ms| format!("{ms:.1}"))
@@ -302,7 +249,6 @@ fn working<T: Send + 'static>(
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
 
     #[test]
@@ -317,22 +263,5 @@ mod tests {
         ] {
             assert_eq!(short_count(count), text);
         }
-    }
-
-    #[test]
-    fn percentiles_of_the_last_frames() {
-        let mut log = FrameLog::default();
-        assert_eq!(log.percentile(0.5), None);
-        for i in 1..=300 {
-            let gpu_ms = Some(f64::from(i) - 0.5);
-            log.add(&FrameStats { cpu_ms: 0.5, gpu_ms, ..FrameStats::default() });
-        }
-        // 181 to 300 are remembered.
-        assert_eq!(log.len(), REMEMBERED);
-        assert_eq!(log.percentile(0.5), Some(240.0));
-        assert_eq!(log.percentile(0.95), Some(294.0));
-        assert_eq!(log.percentile(1.0), Some(300.0));
-        log.clear();
-        assert!(log.is_empty() && log.last().is_none());
     }
 }

@@ -3,11 +3,12 @@
 use super::calendar::{Calendar, DAY};
 use super::camera::Camera;
 use super::command::{Command, Panel};
-use super::loading::{Answer, Ask, Job, Loaded, NO_DIALOG, Outcome, Project, Stamp, Wake, ask};
-use super::overlay::FrameLog;
+use super::frames::FrameLog;
+use super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, Stamp, Wake, ask, save};
 use super::reload::{Refining, TreeChange};
 use super::table::Table;
 use super::theme::Scheme;
+use crate::bench::export::Format;
 use crate::project::{self, Request, Source};
 use crate::report::describe;
 use crate::tree::Baked;
@@ -70,6 +71,8 @@ pub struct Panels {
     /// See [`Panel`].
     pub figures: bool,
     /// See [`Panel`].
+    pub graph: bool,
+    /// See [`Panel`].
     pub diagnostics: bool,
     /// See [`Panel`].
     pub table: bool,
@@ -83,6 +86,7 @@ impl Default for Panels {
             inspector: true,
             timeline: true,
             figures: true,
+            graph: false,
             diagnostics: false,
             table: false,
             shortcuts: false,
@@ -122,12 +126,12 @@ pub struct AppState {
     pub loading: Option<(String, Job<anyhow::Result<Loaded>>)>,
     /// Ends when the schedule's files have changed.
     pub(super) watching: Option<Job<Vec<Stamp>>>,
-    dialog: Option<(Ask, Job<Answer>)>,
+    dialog: Option<Job<Answer>>,
     /// Schedules that were opened before any model.
     pub waiting_schedules: Vec<PathBuf>,
     /// What went wrong last: file, place and value.
     pub error: Option<String>,
-    /// What happened last to the schedule.
+    /// What happened last to the schedule, or to a file that was saved.
     pub news: Option<String>,
 
     /// Seconds since 1970-01-01T00:00:00, with the fraction that playing needs.
@@ -315,6 +319,7 @@ impl AppState {
                 }
             }
             Command::CancelTable => self.table.cancel(),
+            Command::SaveTable(format) => self.save_table(format),
             Command::Copy(text) => self.effects.push(Effect::Copy(text)),
         }
     }
@@ -497,25 +502,39 @@ impl AppState {
 
     fn ask(&mut self, what: Ask) {
         if self.dialog.is_none() {
-            match ask(what, Arc::clone(&self.wake)) {
-                Ok(job) => self.dialog = Some((what, job)),
-                Err(error) => self.error = Some(format!("No thread for the dialog: {error}")),
-            }
+            self.take_dialog(ask(what, Arc::clone(&self.wake)));
+        }
+    }
+
+    fn save_table(&mut self, format: Format) {
+        let Some(export) = self.table.export().filter(|_| self.dialog.is_none()) else { return };
+        match export.text(format) {
+            Ok(text) => self.take_dialog(save(format, text, Arc::clone(&self.wake))),
+            Err(error) => self.error = Some(describe(&error)),
+        }
+    }
+
+    fn take_dialog(&mut self, dialog: std::io::Result<Job<Answer>>) {
+        match dialog {
+            Ok(job) => self.dialog = Some(job),
+            Err(error) => self.error = Some(format!("No thread for the dialog: {error}")),
         }
     }
 
     fn poll_dialog(&mut self) {
-        let Some((_, job)) = &self.dialog else { return };
+        let Some(job) = &self.dialog else { return };
         let answer = match job.poll() {
             Outcome::Pending => return,
             Outcome::Done(answer) => answer,
-            Outcome::Died => Answer::NoDialog,
+            Outcome::Died => Answer::NoDialog("The file dialog died."),
         };
         self.dialog = None;
         match answer {
             Answer::Chosen(paths) => self.open_files(paths),
             Answer::Closed => {}
-            Answer::NoDialog => self.error = Some(NO_DIALOG.to_owned()),
+            Answer::Saved(Ok(path)) => self.news = Some(format!("Saved to {}", path.display())),
+            Answer::Saved(Err(error)) => self.error = Some(describe(&error)),
+            Answer::NoDialog(instead) => self.error = Some(instead.to_owned()),
         }
     }
 
@@ -597,6 +616,7 @@ impl AppState {
             Panel::Inspector => &mut self.panels.inspector,
             Panel::Timeline => &mut self.panels.timeline,
             Panel::Figures => &mut self.panels.figures,
+            Panel::Graph => &mut self.panels.graph,
             Panel::Diagnostics => &mut self.panels.diagnostics,
             Panel::Table => &mut self.panels.table,
             Panel::Shortcuts => &mut self.panels.shortcuts,

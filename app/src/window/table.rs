@@ -5,6 +5,8 @@ use super::loading::{Job, Outcome, Project, Wake};
 use super::overlay::short_count;
 use super::state::{AppState, Tree};
 use super::theme::{SMALL, palette};
+use crate::bench::export::{self, Export, Format};
+use crate::bench::table::{SpeedUp, factor, find, ms, papers};
 use crate::bench::{self, Cell, CellKey, Coverage, Moment, Plan};
 use crate::report::describe;
 use egui::{RichText, Ui};
@@ -28,8 +30,9 @@ const COLUMNS: [(DrawMode, Coverage, &str); 7] = [
 /// What the figures were measured with.
 #[derive(Clone, PartialEq, Debug)]
 struct Conditions {
-    size: UVec2,
-    tolerance_px: f32,
+    plan: Plan,
+    /// What to type to measure the same.
+    command: String,
 }
 
 /// What a measuring thread sends while it works.
@@ -80,8 +83,9 @@ impl Table {
             return;
         }
         self.clear();
-        self.conditions = Some(Conditions { size, tolerance_px });
         let plan = Plan { compare: false, ..Plan::new(size, tolerance_px) };
+        let command = export::command(&project.request, &plan, &[]);
+        self.conditions = Some(Conditions { plan, command });
         let scene = Arc::clone(&project.scene);
         let (sender, receiver) = mpsc::sync_channel(64);
         let news_wake = Arc::clone(wake);
@@ -159,30 +163,16 @@ impl Table {
         &self.cells
     }
 
-    fn cell(&self, moment: Moment, mode: DrawMode, coverage: Coverage) -> Option<&Cell> {
-        self.cells.iter().find(|c| c.moment == moment && c.mode == mode && c.coverage == coverage)
-    }
-
-    /// Columns separated by tabs, for spreadsheets.
-    fn text(&self) -> String {
-        let mut text =
-            "time\tlod\tcoverage\tframe_ms\tp95_ms\tselect_ms\tgpu_ms\tdraws\ttriangles\n"
-                .to_owned();
-        for cell in &self.cells {
-            let gpu = cell.gpu_ms.map_or_else(String::new, |ms| format!("{ms:.3}"));
-            text.push_str(&format!(
-                "{}\t{}\t{}\t{:.3}\t{:.3}\t{:.3}\t{gpu}\t{}\t{}\n",
-                cell.moment.name(),
-                bench::mode_name(cell.mode),
-                cell.coverage.name(),
-                cell.frame_ms,
-                cell.p95_ms,
-                cell.select_ms,
-                cell.draws,
-                cell.triangles,
-            ));
-        }
-        text
+    /// What was measured so far with all that its reader must know; `None` before the first cell.
+    pub fn export(&self) -> Option<Export<'_>> {
+        let Conditions { plan, command } = self.conditions.as_ref()?;
+        (!self.cells.is_empty()).then_some(Export {
+            cells: &self.cells,
+            adapter: &self.adapter,
+            plan,
+            empty_ms: self.empty_ms,
+            command,
+        })
     }
 }
 
@@ -239,23 +229,16 @@ fn content(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let weak = palette(ui).weak;
     ui.label("Frame time in ms, and how many times faster than one draw call per object.");
     ui.add_space(4.0);
-    egui::Grid::new("table").num_columns(8).spacing([12.0, 4.0]).show(ui, |ui| {
-        ui.label("");
-        for (_, _, name) in COLUMNS {
-            ui.label(RichText::new(name).size(SMALL).color(weak));
-        }
-        ui.end_row();
-        for (moment, name) in Moment::ALL {
-            ui.label(name);
-            for (mode, coverage, _) in COLUMNS {
-                cell(ui, table, CellKey { moment, coverage, mode });
-            }
-            ui.end_row();
-        }
-    });
+    frame_times(ui, table);
+    if table.cells.iter().any(|cell| cell.mode == DrawMode::Hdlod) {
+        ui.add_space(8.0);
+        ui.label("How many times faster HDLOD is, beside the paper's figures.");
+        ui.add_space(4.0);
+        speed_ups(ui, table);
+    }
     ui.add_space(4.0);
     if let Some(conditions) = &table.conditions {
-        let Conditions { size, tolerance_px } = conditions;
+        let Plan { size, tolerance_px, .. } = &conditions.plan;
         let mut text = format!("{} × {} px · tolerance {tolerance_px:.2} px", size.x, size.y);
         if let Some(ms) = table.empty_ms {
             text.push_str(&format!(" · empty frame {ms:.2} ms · {}", table.adapter));
@@ -289,25 +272,97 @@ fn content(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             if ui.button(again).on_hover_text(tip).clicked() {
                 commands.push(Command::MeasureTable);
             }
-            if !table.cells.is_empty()
-                && ui.button("Copy").on_hover_text("All figures, for a spreadsheet").clicked()
-            {
-                commands.push(Command::Copy(table.text()));
+            if !table.cells.is_empty() {
+                files(ui, table, commands);
             }
         }
     });
 }
 
+/// Ways to take the table along.
+fn files(ui: &mut Ui, table: &Table, commands: &mut Vec<Command>) {
+    if ui.button("Copy").on_hover_text("All figures, for a spreadsheet").clicked() {
+        match export::separated(&table.cells, b'\t') {
+            Ok(text) => commands.push(Command::Copy(text)),
+            Err(error) => commands.push(Command::Report(describe(&error))),
+        }
+    }
+    for (format, tip) in [
+        (Format::Csv, "Every figure of every cell, also of the parts of a frame"),
+        (
+            Format::Markdown,
+            "These tables with adapter, size, tolerance and the command that measures them",
+        ),
+    ] {
+        let button = ui.button(format!("Save as {}…", format.names().0));
+        if button.on_hover_text(tip).clicked() {
+            commands.push(Command::SaveTable(format));
+        }
+    }
+}
+
+fn frame_times(ui: &mut Ui, table: &Table) {
+    let weak = palette(ui).weak;
+    egui::Grid::new("table").num_columns(8).spacing([12.0, 4.0]).show(ui, |ui| {
+        ui.label("");
+        for (_, _, name) in COLUMNS {
+            ui.label(RichText::new(name).size(SMALL).color(weak));
+        }
+        ui.end_row();
+        for (moment, name) in Moment::ALL {
+            ui.label(name);
+            for (mode, coverage, _) in COLUMNS {
+                cell(ui, table, CellKey { moment, coverage, mode });
+            }
+            ui.end_row();
+        }
+    });
+}
+
+/// HDLOD over one draw call an object here and in the paper, and over everything in one multi-draw.
+fn speed_ups(ui: &mut Ui, table: &Table) {
+    let weak = palette(ui).weak;
+    egui::Grid::new("speed-ups").num_columns(10).spacing([12.0, 4.0]).show(ui, |ui| {
+        ui.label("");
+        for (_, coverage) in Coverage::ALL {
+            for (head, tip) in [
+                (format!("{coverage} here"), "Over one draw call an object at 1/1, measured here"),
+                ("paper".to_owned(), "The same in the paper, on a graphics card of its own"),
+                (
+                    "over batched".to_owned(),
+                    "Over everything in one multi-draw, from the same distance",
+                ),
+            ] {
+                ui.label(RichText::new(head).size(SMALL).color(weak)).on_hover_text(tip);
+            }
+        }
+        ui.end_row();
+        for (moment, name) in Moment::ALL {
+            ui.label(name);
+            for (coverage, _) in Coverage::ALL {
+                let cell = find(&table.cells, moment, coverage, DrawMode::Hdlod);
+                let gain = cell.map(|cell| SpeedUp::of(cell, &table.cells));
+                let here = gain.and_then(|gain| gain.over_objects);
+                let batched = gain.and_then(|gain| gain.over_batched);
+                let text = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), factor);
+                ui.label(RichText::new(text(here)).strong());
+                ui.label(RichText::new(factor(papers(moment, coverage))).color(weak));
+                ui.label(text(batched));
+            }
+            ui.end_row();
+        }
+    });
+}
+
+/// One cell of the frame times.
 fn cell(ui: &mut Ui, table: &Table, key: CellKey) {
-    let Some(cell) = table.cell(key.moment, key.mode, key.coverage) else {
+    let Some(cell) = find(&table.cells, key.moment, key.coverage, key.mode) else {
         ui.label(RichText::new("–").color(palette(ui).weak));
         return;
     };
-    let ms = |ms: f64| if ms < 10.0 { format!("{ms:.2}") } else { format!("{ms:.1}") };
-    let baseline = table.cell(key.moment, DrawMode::Objects, Coverage::Full);
     let mut text = ms(cell.frame_ms);
-    if let (Some(slow), true) = (baseline, key.mode != DrawMode::Objects) {
-        text.push_str(&format!(" ({:.1}×)", slow.frame_ms / cell.frame_ms.max(1e-6)));
+    if let Some(gain) = SpeedUp::of(cell, &table.cells).over_objects {
+        text.push_str(&format!(" ({})", factor(gain)));
     }
     let text = RichText::new(text);
     let text = if key.mode == DrawMode::Hdlod { text.strong() } else { text };

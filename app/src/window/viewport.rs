@@ -11,7 +11,7 @@ use egui::{Color32, PointerButton, Pos2, Rect, Sense, Stroke, TextureId, Ui};
 use egui_wgpu::RenderState;
 use glam::{UVec2, Vec2, Vec3};
 use std::sync::Arc;
-use topout_render::{FrameInput, FrameStats, Gpu, GpuError, Renderer};
+use topout_render::{FrameInput, Gpu, GpuError, Renderer};
 use topout_scene::{Aabb, Hdlod, Scene, hdlod};
 
 /// Nearer (below 1) per notch of a mouse wheel.
@@ -29,9 +29,10 @@ pub struct Viewport {
     /// What is uploaded has the colours of levels.
     level_colors: bool,
     drawn: Option<FrameInput>,
-    /// The last frame, as long as the GPU has not told how long it took.
-    untimed: Option<FrameStats>,
     gesture: Option<Gesture>,
+    /// The shaders' files are looked at, and when that was done last.
+    #[cfg(debug_assertions)]
+    shaders: (topout_render::ShaderFolder, std::time::Instant),
 }
 
 /// A drag: what was under the pointer when the button went down.
@@ -65,14 +66,15 @@ impl Viewport {
             tree: None,
             level_colors: false,
             drawn: None,
-            untimed: None,
             gesture: None,
+            #[cfg(debug_assertions)]
+            shaders: (topout_render::ShaderFolder::of_source(), std::time::Instant::now()),
         }
     }
 
     /// Whether a figure is still missing that a later look will bring.
-    pub fn waits_for_gpu(&self) -> bool {
-        self.untimed.is_some()
+    pub fn expects_gpu_times(&self) -> bool {
+        self.renderer.expects_gpu_times()
     }
 
     /// Fills what is left of `ui` with the picture; returns the place that it takes.
@@ -99,6 +101,8 @@ impl Viewport {
         if let Some(error) = self.take_over(state) {
             state.apply(error);
         }
+        #[cfg(debug_assertions)]
+        self.reload_shaders(ui, state);
         self.draw(state);
         if let Some((texture, _)) = self.texture {
             let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
@@ -226,6 +230,29 @@ impl Viewport {
         }
     }
 
+    /// Takes over shaders that were changed while the window is open.
+    #[cfg(debug_assertions)]
+    fn reload_shaders(&mut self, ui: &Ui, state: &mut AppState) {
+        const LOOK_EVERY: std::time::Duration = std::time::Duration::from_millis(300);
+        ui.ctx().request_repaint_after(LOOK_EVERY);
+        let (folder, looked) = &mut self.shaders;
+        let Some(frame) = self.drawn.filter(|_| looked.elapsed() >= LOOK_EVERY) else { return };
+        *looked = std::time::Instant::now();
+        if !folder.has_changed() {
+            return;
+        }
+        match self.renderer.reload_shaders(folder, &frame) {
+            Ok(()) => {
+                (state.news, state.error) =
+                    (Some("The shaders were loaded again.".to_owned()), None);
+            }
+            Err(error) => {
+                tracing::warn!("{error}");
+                state.error = Some(error.to_string());
+            }
+        }
+    }
+
     /// Renders if the picture would differ from the last one.
     fn draw(&mut self, state: &mut AppState) {
         let input = FrameInput {
@@ -233,13 +260,12 @@ impl Viewport {
             time: state.time(),
             mode: state.effective_mode(),
         };
-        self.time_last_frame(state);
+        state.frames.add_gpu_times(&self.renderer.take_gpu_times());
         if self.drawn.as_ref() == Some(&input) {
             return;
         }
         let stats = self.renderer.render(&input);
-        state.frames.show(stats);
-        self.untimed = Some(stats);
+        state.frames.show(stats, self.renderer.has_timestamps());
         self.drawn = Some(input);
         let mut egui_renderer = self.window.renderer.write();
         let (view, filter) = (self.renderer.color_view(), wgpu::FilterMode::Nearest);
@@ -254,17 +280,6 @@ impl Viewport {
                 self.texture = Some((id, state.picture));
             }
             Some(_) => {}
-        }
-    }
-
-    /// Counts the last frame once its time is known.
-    fn time_last_frame(&mut self, state: &mut AppState) {
-        let Some(stats) = self.untimed else { return };
-        let gpu_ms = self.renderer.gpu_ms();
-        let tells = self.window.device.features().contains(wgpu::Features::TIMESTAMP_QUERY);
-        if gpu_ms.is_some() || !tells {
-            state.frames.add(&FrameStats { gpu_ms, ..stats });
-            self.untimed = None;
         }
     }
 

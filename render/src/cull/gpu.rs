@@ -5,6 +5,8 @@ use super::{Frame, Item, Table};
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::module;
 use crate::pool::INDEX_BYTES;
+use crate::shader::{Shader, shader};
+use crate::timing::{GpuTimer, Pass};
 use bytemuck::{Pod, Zeroable};
 use glam::UVec2;
 use wgpu::BufferUsages;
@@ -28,32 +30,34 @@ pub(crate) struct CullUniform {
     pub levels: [[u32; 4]; 8],
 }
 
-macro_rules! shader {
-    ($($path:literal),*) => {
-        concat!($(include_str!(concat!("../../../shaders/", $path))),*)
-    };
-}
+const RECALL: Shader = shader!("recall", "common/cull.wgsl", "cull/recall.wgsl");
+const PACK: Shader = shader!("pack", "common/cull.wgsl", "cull/pack.wgsl");
+const PYRAMID_ONE: Shader =
+    shader!("pyramid, one sample", "common/cull.wgsl", "cull/depth_one.wgsl", "cull/pyramid.wgsl",);
+const PYRAMID_MANY: Shader = shader!(
+    "pyramid, many samples",
+    "common/cull.wgsl",
+    "cull/depth_many.wgsl",
+    "cull/pyramid.wgsl",
+);
+const TEST_ONE: Shader = shader!(
+    "test, one sample",
+    "common/frame.wgsl",
+    "common/cull.wgsl",
+    "cull/depth_one.wgsl",
+    "cull/test.wgsl",
+);
+const TEST_MANY: Shader = shader!(
+    "test, many samples",
+    "common/frame.wgsl",
+    "common/cull.wgsl",
+    "cull/depth_many.wgsl",
+    "cull/test.wgsl",
+);
 
-const RECALL: &str = shader!("common/cull.wgsl", "cull/recall.wgsl");
-const PACK: &str = shader!("common/cull.wgsl", "cull/pack.wgsl");
-const PYRAMID_ONE: &str = shader!("common/cull.wgsl", "cull/depth_one.wgsl", "cull/pyramid.wgsl");
-const PYRAMID_MANY: &str = shader!("common/cull.wgsl", "cull/depth_many.wgsl", "cull/pyramid.wgsl");
-
-const TEST_ONE: &str =
-    shader!("common/frame.wgsl", "common/cull.wgsl", "cull/depth_one.wgsl", "cull/test.wgsl");
-const TEST_MANY: &str =
-    shader!("common/frame.wgsl", "common/cull.wgsl", "cull/depth_many.wgsl", "cull/test.wgsl");
-
-/// The text of every kernel as it is compiled, with its name. The tests validate each.
-#[cfg(test)]
-pub(crate) const KERNELS: [(&str, &str); 6] = [
-    ("recall", RECALL),
-    ("pack", PACK),
-    ("pyramid, one sample", PYRAMID_ONE),
-    ("pyramid, many samples", PYRAMID_MANY),
-    ("test, one sample", TEST_ONE),
-    ("test, many samples", TEST_MANY),
-];
+/// The shaders of all kernels.
+pub(crate) const KERNELS: [Shader; 6] =
+    [RECALL, PACK, PYRAMID_ONE, PYRAMID_MANY, TEST_ONE, TEST_MANY];
 
 /// The kernels; they depend on the number of samples.
 #[derive(Debug)]
@@ -68,8 +72,8 @@ pub(crate) struct Kernels {
 
 impl Kernels {
     pub fn new(gpu: &Gpu, samples: u32) -> Self {
-        let build = |text, entry| {
-            let module = module(gpu, entry, text);
+        let build = |shader, entry| {
+            let module = module(gpu, shader);
             gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
                 label: Some(entry),
                 layout: None,
@@ -123,8 +127,7 @@ pub(crate) struct Inputs<'a> {
     pub depth: &'a wgpu::TextureView,
     pub vertices: &'a wgpu::Buffer,
     pub indices: &'a wgpu::Buffer,
-    /// To be written when the first kernel begins.
-    pub stamp: Option<wgpu::ComputePassTimestampWrites<'a>>,
+    pub timer: Option<&'a GpuTimer>,
 }
 
 impl GpuCuller {
@@ -213,7 +216,8 @@ impl GpuCuller {
         items: u64,
         encoder: &mut wgpu::CommandEncoder,
     ) {
-        let mut pass = begin(encoder, "occluders", inputs.stamp.clone());
+        let mut pass =
+            begin(encoder, "recall", inputs.timer.and_then(|t| t.of_kernels(Pass::Recall)));
         let before = &self.seen[self.turn].buffer;
         let group = bind(
             gpu,
@@ -283,7 +287,8 @@ impl GpuCuller {
         let seen = &self.seen[self.turn].buffer;
         encoder.clear_buffer(seen, 0, None);
         encoder.clear_buffer(&self.masks.buffer, 0, None);
-        let mut pass = begin(encoder, "culling", None);
+        let mut pass =
+            begin(encoder, "culling", inputs.timer.and_then(|t| t.of_kernels(Pass::Cull)));
         let [x, y, w, h] = covered;
         for (pipeline, shift) in [(&kernels.fine, 3u32), (&kernels.coarse, 6)] {
             let group = bind(

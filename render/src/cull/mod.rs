@@ -20,6 +20,7 @@ mod raster;
 use crate::gpu::{Gpu, GpuError};
 use crate::input::Occlusion;
 use crate::pool::{Geometry, INDEX_BYTES};
+use crate::timing::GpuTimer;
 use bytemuck::{Pod, Zeroable};
 use cpu::{CpuCuller, Cut};
 use glam::{IVec2, Mat4};
@@ -94,8 +95,8 @@ pub(crate) struct Frame<'a> {
     pub model: &'a Model,
     pub tree: &'a Hdlod,
     pub geometry: &'a Geometry,
-    /// To be written when the first kernel begins, where there are kernels.
-    pub stamp: Option<wgpu::ComputePassTimestampWrites<'a>>,
+    /// Stamps the kernels.
+    pub timer: Option<&'a GpuTimer>,
 }
 
 impl Culler {
@@ -123,11 +124,6 @@ impl Culler {
     /// Whether the geometry is where the triangles are tested.
     pub fn suits(&self, geometry: &Geometry) -> bool {
         matches!(self.way, Way::Cpu { .. }) || geometry.readable
-    }
-
-    /// Whether a frame begins with kernels.
-    pub fn has_kernels(&self) -> bool {
-        matches!(self.way, Way::Gpu { .. })
     }
 
     /// Triangles that are left, where they were counted.
@@ -243,7 +239,7 @@ impl Culler {
             depth: frame.depth,
             vertices: &frame.geometry.vertices,
             indices: &frame.geometry.indices,
-            stamp: frame.stamp.clone(),
+            timer: frame.timer,
         };
         culler.recall(gpu, kernels, &inputs, items, encoder);
         let (drawn, geometry) = (culler.drawn(), frame.geometry);

@@ -2,18 +2,21 @@
 
 use super::{ScreenPipeline, buffer_entry, texture_entry};
 use crate::gpu::Gpu;
+use crate::shader::{Shader, shader};
 
-pub(super) const SHADER_ONE: &str = concat!(
-    include_str!("../../../shaders/common/frame.wgsl"),
-    include_str!("../../../shaders/common/depth_one.wgsl"),
-    include_str!("../../../shaders/common/screen.wgsl"),
-    include_str!("../../../shaders/edges.wgsl"),
+pub(super) const SHADER_ONE: Shader = shader!(
+    "edges, one sample",
+    "common/frame.wgsl",
+    "common/depth_one.wgsl",
+    "common/screen.wgsl",
+    "edges.wgsl",
 );
-pub(super) const SHADER_MANY: &str = concat!(
-    include_str!("../../../shaders/common/frame.wgsl"),
-    include_str!("../../../shaders/common/depth_many.wgsl"),
-    include_str!("../../../shaders/common/screen.wgsl"),
-    include_str!("../../../shaders/edges.wgsl"),
+pub(super) const SHADER_MANY: Shader = shader!(
+    "edges, many samples",
+    "common/frame.wgsl",
+    "common/depth_many.wgsl",
+    "common/screen.wgsl",
+    "edges.wgsl",
 );
 
 /// One triangle over the picture that darkens it.

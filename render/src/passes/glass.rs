@@ -2,12 +2,14 @@
 
 use super::{SceneBindings, ScenePipeline, Vertices};
 use crate::gpu::Gpu;
+use crate::shader::{Shader, shader};
 
-pub(super) const SHADER: &str = concat!(
-    include_str!("../../../shaders/common/frame.wgsl"),
-    include_str!("../../../shaders/common/light.wgsl"),
-    include_str!("../../../shaders/common/instance.wgsl"),
-    include_str!("../../../shaders/glass.wgsl"),
+pub(super) const SHADER: Shader = shader!(
+    "glass",
+    "common/frame.wgsl",
+    "common/light.wgsl",
+    "common/instance.wgsl",
+    "glass.wgsl",
 );
 
 /// The pass of the transparent layer.

@@ -2,12 +2,10 @@
 
 use super::{SceneBindings, ScenePipeline, Vertices};
 use crate::gpu::Gpu;
+use crate::shader::{Shader, shader};
 
-pub(super) const SHADER: &str = concat!(
-    include_str!("../../../shaders/common/frame.wgsl"),
-    include_str!("../../../shaders/common/background.wgsl"),
-    include_str!("../../../shaders/ground.wgsl"),
-);
+pub(super) const SHADER: Shader =
+    shader!("ground", "common/frame.wgsl", "common/background.wgsl", "ground.wgsl",);
 
 /// One square around the scene, behind everything but the sky, which it leaves out.
 #[derive(Debug)]

@@ -16,7 +16,7 @@ pub(crate) use solid::Solid;
 
 use crate::gpu::Gpu;
 use crate::pool::{INSTANCE_BYTES, VERTEX_BYTES};
-use std::borrow::Cow;
+use crate::shader::Shader;
 
 /// What the scene is drawn into: gamma-encoded colour; alpha is 255 of 255 where an element is, 254
 /// where none is.
@@ -24,22 +24,21 @@ pub(crate) const SCENE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8U
 /// Reversed: 1 near, 0 infinitely far.
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-/// The text of every shader as it is compiled, with its name. The tests validate each.
-#[cfg(test)]
-pub(crate) const SHADERS: [(&str, &str); 7] = [
-    ("solid", solid::SHADER),
-    ("glass", glass::SHADER),
-    ("sky", sky::SHADER),
-    ("ground", ground::SHADER),
-    ("smooth", smooth::SHADER),
-    ("edges, one sample", edges::SHADER_ONE),
-    ("edges, many samples", edges::SHADER_MANY),
+/// The shaders of all passes.
+pub(crate) const SHADERS: [Shader; 7] = [
+    solid::SHADER,
+    glass::SHADER,
+    sky::SHADER,
+    ground::SHADER,
+    smooth::SHADER,
+    edges::SHADER_ONE,
+    edges::SHADER_MANY,
 ];
 
-pub(crate) fn module(gpu: &Gpu, label: &str, text: &'static str) -> wgpu::ShaderModule {
+pub(crate) fn module(gpu: &Gpu, shader: Shader) -> wgpu::ShaderModule {
     gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
-        label: Some(label),
-        source: wgpu::ShaderSource::Wgsl(Cow::Borrowed(text)),
+        label: Some(shader.name),
+        source: wgpu::ShaderSource::Wgsl(gpu.shaders.of(shader)),
     })
 }
 
@@ -122,9 +121,9 @@ pub(crate) fn texture_entry(
     }
 }
 
-const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 2] =
+pub(crate) const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 2] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32];
-const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
+pub(crate) const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
     wgpu::vertex_attr_array![2 => Float32x4, 3 => Float32x4, 4 => Float32x4];
 
 /// The pool's vertices and instances.
@@ -157,7 +156,7 @@ enum Vertices {
 /// How a pass of the scene differs from the others.
 struct ScenePipeline<'a> {
     label: &'a str,
-    shader: &'static str,
+    shader: Shader,
     vertex: &'a str,
     /// `None`: depth alone.
     fragment: Option<&'a str>,
@@ -170,7 +169,7 @@ struct ScenePipeline<'a> {
 
 impl ScenePipeline<'_> {
     fn build(&self, gpu: &Gpu, bindings: &SceneBindings, samples: u32) -> wgpu::RenderPipeline {
-        let module = module(gpu, self.label, self.shader);
+        let module = module(gpu, self.shader);
         let pool = vertex_buffers();
         let target = [Some(wgpu::ColorTargetState {
             format: SCENE_FORMAT,
@@ -214,7 +213,7 @@ impl ScenePipeline<'_> {
 /// How a pass over the shown picture differs from the others.
 struct ScreenPipeline<'a> {
     label: &'a str,
-    shader: &'static str,
+    shader: Shader,
     fragment: &'a str,
     blend: Option<wgpu::BlendState>,
     /// Test against the scene's depth of a triangle between everything solid and ground and sky; `None`
@@ -224,7 +223,7 @@ struct ScreenPipeline<'a> {
 
 impl ScreenPipeline<'_> {
     fn build(&self, gpu: &Gpu, layout: &wgpu::BindGroupLayout) -> wgpu::RenderPipeline {
-        let module = module(gpu, self.label, self.shader);
+        let module = module(gpu, self.shader);
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(self.label),
             bind_group_layouts: &[Some(layout)],

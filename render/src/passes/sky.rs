@@ -2,12 +2,10 @@
 
 use super::{SceneBindings, ScenePipeline, Vertices};
 use crate::gpu::Gpu;
+use crate::shader::{Shader, shader};
 
-pub(super) const SHADER: &str = concat!(
-    include_str!("../../../shaders/common/frame.wgsl"),
-    include_str!("../../../shaders/common/background.wgsl"),
-    include_str!("../../../shaders/sky.wgsl"),
-);
+pub(super) const SHADER: Shader =
+    shader!("sky", "common/frame.wgsl", "common/background.wgsl", "sky.wgsl",);
 
 /// One triangle over the whole picture at infinite depth.
 #[derive(Debug)]

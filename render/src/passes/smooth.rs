@@ -2,12 +2,10 @@
 
 use super::{ScreenPipeline, buffer_entry, texture_entry};
 use crate::gpu::Gpu;
+use crate::shader::{Shader, shader};
 
-pub(super) const SHADER: &str = concat!(
-    include_str!("../../../shaders/common/frame.wgsl"),
-    include_str!("../../../shaders/common/screen.wgsl"),
-    include_str!("../../../shaders/smooth.wgsl"),
-);
+pub(super) const SHADER: Shader =
+    shader!("smooth", "common/frame.wgsl", "common/screen.wgsl", "smooth.wgsl",);
 
 /// One triangle over the picture, from the scene's texture into the shown one.
 #[derive(Debug)]

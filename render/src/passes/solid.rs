@@ -2,12 +2,14 @@
 
 use super::{SceneBindings, ScenePipeline, Vertices};
 use crate::gpu::Gpu;
+use crate::shader::{Shader, shader};
 
-pub(super) const SHADER: &str = concat!(
-    include_str!("../../../shaders/common/frame.wgsl"),
-    include_str!("../../../shaders/common/light.wgsl"),
-    include_str!("../../../shaders/common/instance.wgsl"),
-    include_str!("../../../shaders/solid.wgsl"),
+pub(super) const SHADER: Shader = shader!(
+    "solid",
+    "common/frame.wgsl",
+    "common/light.wgsl",
+    "common/instance.wgsl",
+    "solid.wgsl",
 );
 
 /// The pass of the opaque layer.
