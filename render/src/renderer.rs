@@ -8,7 +8,7 @@ use crate::input::{Antialias, DrawMode, FrameInput, FrameStats, Options};
 use crate::passes::{Edges, Glass, Ground, SceneBindings, Sky, Smooth, Solid};
 use crate::pool::{Geometry, INDEX_BYTES, INSTANCE_BYTES, Pool, VERTEX_BYTES};
 use crate::readback::{Picture, texture_bytes};
-use crate::targets::Targets;
+use crate::targets::{Target, Targets};
 use crate::timing::GpuTimer;
 use glam::UVec2;
 use std::ops::Range;
@@ -48,6 +48,7 @@ impl Passes {
 /// What the passes over the picture read; made anew with the textures.
 #[derive(Debug)]
 struct PictureGroups {
+    glass: wgpu::BindGroup,
     edges: wgpu::BindGroup,
     smooth: Option<wgpu::BindGroup>,
 }
@@ -55,6 +56,7 @@ struct PictureGroups {
 impl PictureGroups {
     fn new(gpu: &Gpu, passes: &Passes, frame: &wgpu::Buffer, targets: &Targets) -> Self {
         Self {
+            glass: passes.glass.bind(gpu, &targets.beside.view),
             edges: passes.edges.bind(gpu, frame, &targets.depth.view),
             smooth: passes.smooth.as_ref().map(|s| s.bind(gpu, frame, &targets.scene.view)),
         }
@@ -383,7 +385,12 @@ impl Renderer {
         if culled {
             self.record_culling(&mut encoder, &uniform, offsets, covered);
         }
-        self.draw_scene(&mut encoder, mode, offsets, culled, from_above, finish.is_none());
+        let glass = covered.filter(|_| self.has_glass(culled));
+        let last = glass.is_none() && finish.is_none();
+        self.draw_scene(&mut encoder, mode, offsets, culled, from_above, last);
+        if let Some(rectangle) = glass {
+            self.draw_glass(&mut encoder, mode, offsets, culled, rectangle, finish.is_none());
+        }
         if let Some(rectangle) = finish {
             self.draw_finish(&mut encoder, rectangle);
         }
@@ -441,25 +448,12 @@ impl Renderer {
         ground: bool,
         last: bool,
     ) {
-        let (view, resolve_target) = match &self.targets.many {
-            Some(many) => (&many.view, Some(&self.targets.scene.view)),
-            None => (&self.targets.scene.view, None),
-        };
-        let store =
-            if resolve_target.is_some() { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
         let first = !(culled && self.culler.as_ref().is_some_and(Culler::has_kernels));
+        let color = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("scene"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store,
-                },
-            })],
-            depth_stencil_attachment: Some(self.cleared_depth()),
+            color_attachments: &[Some(self.scene_color(color, self.has_glass(culled)))],
+            depth_stencil_attachment: Some(self.scene_depth(wgpu::LoadOp::Clear(0.0))),
             timestamp_writes: self.timer.as_ref().and_then(|t| t.stamps(first, last)),
             ..Default::default()
         });
@@ -478,16 +472,74 @@ impl Renderer {
             self.passes.ground.draw(&mut pass);
         }
         self.passes.sky.draw(&mut pass);
-        if let Some(pool) = &self.pool {
-            pass.set_pipeline(&self.passes.glass.placed);
-            let at = offsets.map(|o| (o.element_transparent, o.cluster_transparent));
-            let list = &self.list;
-            let (elements, clusters) = (&list.elements.transparent, &list.clusters.transparent);
-            self.draw_layer(&mut pass, pool, mode, elements, clusters, at);
-            if culled {
-                pass.set_pipeline(&self.passes.glass.fixed);
-                self.draw_left(&mut pass, Layer::Transparent);
-            }
+    }
+
+    /// Whether anything transparent may be in the frame.
+    fn has_glass(&self, culled: bool) -> bool {
+        let list = &self.list;
+        let listed = !list.elements.transparent.is_empty() || !list.clusters.transparent.is_empty();
+        listed || (culled && self.culler.as_ref().is_some_and(Culler::has_glass))
+    }
+
+    /// Draws the transparent layer over a copy of the part of the picture where it can be, given as x,
+    /// y, width and height.
+    fn draw_glass(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        mode: DrawMode,
+        offsets: Option<CommandOffsets>,
+        culled: bool,
+        rectangle: [u32; 4],
+        last: bool,
+    ) {
+        let Some(pool) = &self.pool else { return };
+        copy_part(encoder, &self.targets.scene, &self.targets.beside, rectangle);
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("glass"),
+            color_attachments: &[Some(self.scene_color(wgpu::LoadOp::Load, false))],
+            depth_stencil_attachment: Some(self.scene_depth(wgpu::LoadOp::Load)),
+            timestamp_writes: self.timer.as_ref().and_then(|t| t.stamps(false, last)),
+            ..Default::default()
+        });
+        pass.set_bind_group(0, &self.scene_group, &[]);
+        pass.set_bind_group(1, &self.groups.glass, &[]);
+        pass.set_pipeline(&self.passes.glass.placed);
+        let at = offsets.map(|o| (o.element_transparent, o.cluster_transparent));
+        let list = &self.list;
+        let (elements, clusters) = (&list.elements.transparent, &list.clusters.transparent);
+        self.draw_layer(&mut pass, pool, mode, elements, clusters, at);
+        if culled {
+            pass.set_pipeline(&self.passes.glass.fixed);
+            self.draw_left(&mut pass, Layer::Transparent);
+        }
+    }
+
+    /// What the scene is drawn into; with several samples also brought to one, and `kept` themselves
+    /// where more is drawn over them.
+    fn scene_color(
+        &self,
+        load: wgpu::LoadOp<wgpu::Color>,
+        kept: bool,
+    ) -> wgpu::RenderPassColorAttachment<'_> {
+        let shown = &self.targets.scene.view;
+        let many = self.targets.many.as_ref().map(|many| &many.view);
+        let kept = kept || many.is_none();
+        wgpu::RenderPassColorAttachment {
+            view: many.unwrap_or(shown),
+            depth_slice: None,
+            resolve_target: many.map(|_| shown),
+            ops: wgpu::Operations {
+                load,
+                store: if kept { wgpu::StoreOp::Store } else { wgpu::StoreOp::Discard },
+            },
+        }
+    }
+
+    fn scene_depth(&self, load: wgpu::LoadOp<f32>) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+        wgpu::RenderPassDepthStencilAttachment {
+            view: &self.targets.depth.view,
+            depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
+            stencil_ops: None,
         }
     }
 
@@ -550,7 +602,7 @@ impl Renderer {
                 let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                     label: Some("occluders"),
                     color_attachments: &[],
-                    depth_stencil_attachment: Some(self.cleared_depth()),
+                    depth_stencil_attachment: Some(self.scene_depth(wgpu::LoadOp::Clear(0.0))),
                     ..Default::default()
                 });
                 pass.set_bind_group(0, &self.scene_group, &[]);
@@ -563,17 +615,6 @@ impl Renderer {
             });
         }
         self.culler = Some(culler);
-    }
-
-    fn cleared_depth(&self) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-        wgpu::RenderPassDepthStencilAttachment {
-            view: &self.targets.depth.view,
-            depth_ops: Some(wgpu::Operations {
-                load: wgpu::LoadOp::Clear(0.0),
-                store: wgpu::StoreOp::Store,
-            }),
-            stencil_ops: None,
-        }
     }
 
     /// The elements and the clusters of one layer; `offsets` of their commands, in that order.
@@ -626,9 +667,9 @@ impl Renderer {
 
     /// Smooths and lines a part of the picture, given as x, y, width and height. What smooths cannot
     /// write where it reads, so it works beside the picture, and the part is copied back.
-    fn draw_finish(&self, encoder: &mut wgpu::CommandEncoder, [x, y, w, h]: [u32; 4]) {
+    fn draw_finish(&self, encoder: &mut wgpu::CommandEncoder, rectangle: [u32; 4]) {
         let smooths = self.passes.smooth.is_some();
-        let target = if smooths { &self.targets.smoothed } else { &self.targets.scene };
+        let target = if smooths { &self.targets.beside } else { &self.targets.scene };
         let depth = (self.passes.samples == 1).then_some(wgpu::RenderPassDepthStencilAttachment {
             view: &self.targets.depth.view,
             // Read only: the edges read it as a texture, too.
@@ -647,6 +688,7 @@ impl Renderer {
             timestamp_writes: self.timer.as_ref().and_then(|t| t.stamps(false, true)),
             ..Default::default()
         });
+        let [x, y, w, h] = rectangle;
         pass.set_scissor_rect(x, y, w, h);
         if let (Some(smooth), Some(group)) = (&self.passes.smooth, &self.groups.smooth) {
             smooth.draw(&mut pass, group);
@@ -656,14 +698,20 @@ impl Renderer {
         }
         drop(pass);
         if smooths {
-            let extent = wgpu::Extent3d { width: w, height: h, depth_or_array_layers: 1 };
-            encoder.copy_texture_to_texture(
-                self.targets.smoothed.part(x, y),
-                self.targets.scene.part(x, y),
-                extent,
-            );
+            copy_part(encoder, &self.targets.beside, &self.targets.scene, rectangle);
         }
     }
+}
+
+/// Copies a part, given as x, y, width and height, to the same place of another texture.
+fn copy_part(
+    encoder: &mut wgpu::CommandEncoder,
+    source: &Target,
+    target: &Target,
+    [x, y, width, height]: [u32; 4],
+) {
+    let extent = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    encoder.copy_texture_to_texture(source.part(x, y), target.part(x, y), extent);
 }
 
 /// The paper's baseline (R12): every object brings its own mesh and its own place, as in a viewer

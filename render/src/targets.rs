@@ -30,14 +30,15 @@ pub(crate) struct Targets {
     /// What is shown, one sample a pixel.
     pub scene: Target,
     pub depth: Target,
-    /// Where a part of the picture is smoothed.
-    pub smoothed: Target,
+    /// Beside the picture: a copy that glass is drawn over, then where a part is smoothed.
+    pub beside: Target,
 }
 
 impl Targets {
     pub fn new(gpu: &Gpu, size: UVec2, samples: u32) -> Self {
         let attachment = TextureUsages::RENDER_ATTACHMENT;
-        let readable = attachment | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
+        let copied = TextureUsages::COPY_SRC | TextureUsages::COPY_DST;
+        let readable = attachment | TextureUsages::TEXTURE_BINDING | copied;
         let target = |label, format, samples, usage| {
             let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
                 label: Some(label),
@@ -60,9 +61,9 @@ impl Targets {
             size,
             samples,
             many: (samples > 1).then(|| target("scene samples", SCENE_FORMAT, samples, attachment)),
-            scene: target("scene", SCENE_FORMAT, 1, readable | TextureUsages::COPY_DST),
+            scene: target("scene", SCENE_FORMAT, 1, readable),
             depth: target("depth", DEPTH_FORMAT, samples, depth_usage),
-            smoothed: target("smoothed", SCENE_FORMAT, 1, attachment | TextureUsages::COPY_SRC),
+            beside: target("beside the picture", SCENE_FORMAT, 1, readable),
         }
     }
 

@@ -163,23 +163,27 @@ struct ScenePipeline<'a> {
     fragment: Option<&'a str>,
     vertices: Vertices,
     topology: wgpu::PrimitiveTopology,
-    blend: Option<wgpu::BlendState>,
     write_depth: bool,
     compare: wgpu::CompareFunction,
 }
 
 impl ScenePipeline<'_> {
-    fn build(&self, gpu: &Gpu, bindings: &SceneBindings, samples: u32) -> wgpu::RenderPipeline {
+    fn build(
+        &self,
+        gpu: &Gpu,
+        layout: &wgpu::PipelineLayout,
+        samples: u32,
+    ) -> wgpu::RenderPipeline {
         let module = module(gpu, self.label, self.shader);
         let pool = vertex_buffers();
         let target = [Some(wgpu::ColorTargetState {
             format: SCENE_FORMAT,
-            blend: self.blend,
+            blend: None,
             write_mask: wgpu::ColorWrites::ALL,
         })];
         gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(self.label),
-            layout: Some(&bindings.pipeline_layout),
+            layout: Some(layout),
             vertex: wgpu::VertexState {
                 module: &module,
                 entry_point: Some(self.vertex),
