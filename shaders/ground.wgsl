@@ -34,7 +34,7 @@ fn grid_line(place: vec2<f32>, spacing: f32, width_m: vec2<f32>) -> f32 {
 fn ground_fragment(in: GroundOut) -> @location(0) vec4<f32> {
     let width_m = max(abs(dpdx(in.place)) + abs(dpdy(in.place)), vec2<f32>(1e-5));
     // Lines lie on round coordinates of the project.
-    let at = in.place + frame.middle;
+    let at = in.place + frame.middle + frame.grid_from;
     let line = max(
         grid_line(at, frame.grid_m, width_m) * 0.5,
         grid_line(at, frame.grid_m * 10.0, width_m),

@@ -13,6 +13,7 @@ mod passes;
 mod pool;
 mod readback;
 mod renderer;
+mod selection;
 mod targets;
 mod timing;
 

@@ -2,19 +2,20 @@
 
 use crate::cull::{self, Culler};
 use crate::draw_list::DrawList;
-use crate::frame::{FrameUniform, covered_rectangle, ground_height};
+use crate::frame::{FrameUniform, covered_rectangle};
 use crate::gpu::{Gpu, GpuError};
 use crate::input::{Antialias, DrawMode, FrameInput, FrameStats, Options};
 use crate::passes::{Edges, Glass, Ground, SceneBindings, Sky, Smooth, Solid};
 use crate::pool::{Geometry, INDEX_BYTES, INSTANCE_BYTES, Pool, VERTEX_BYTES};
 use crate::readback::{Picture, texture_bytes};
+use crate::selection::Selection;
 use crate::targets::{Target, Targets};
 use crate::timing::GpuTimer;
-use glam::UVec2;
+use glam::{DVec3, UVec2, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::Instant;
-use topout_scene::{Aabb, Hdlod, Layer, Scene, View, hdlod};
+use topout_scene::{Aabb, ElementId, Hdlod, Layer, Scene, View, hdlod};
 use topout_schedule::Time;
 use wgpu::util::DrawIndexedIndirectArgs as Command;
 
@@ -94,7 +95,9 @@ pub struct Renderer {
     scene: Option<Arc<Scene>>,
     hdlod: Option<Arc<Hdlod>>,
     bounds: Aabb,
-    ground: f32,
+    /// Of the scene.
+    origin: DVec3,
+    selection: Selection,
 }
 
 impl Renderer {
@@ -138,7 +141,8 @@ impl Renderer {
             scene: None,
             hdlod: None,
             bounds: Aabb::EMPTY,
-            ground: 0.0,
+            origin: DVec3::ZERO,
+            selection: Selection::default(),
         }
     }
 
@@ -164,7 +168,7 @@ impl Renderer {
         self.options = options;
     }
 
-    /// Uploads a scene in place of the one before, whose HDLOD goes with it.
+    /// Uploads a scene in place of the one before, whose HDLOD and selection go with it.
     ///
     /// # Errors
     /// If it does not fit on the device; there is no scene then.
@@ -174,13 +178,14 @@ impl Renderer {
         self.scene = None;
         self.hdlod = None;
         self.bounds = Aabb::EMPTY;
-        self.ground = 0.0;
+        self.origin = DVec3::ZERO;
+        self.selection.elements.clear();
         self.scene_group = self.bindings.bind(&self.gpu, &self.frame, &self.empty_materials);
         let pool = Pool::new(&self.gpu, scene)?;
         self.scene_group = self.bindings.bind(&self.gpu, &self.frame, &pool.materials);
         self.pool = Some(pool);
         self.bounds = scene.model.bounds();
-        self.ground = ground_height(&self.bounds, scene.model.origin.y);
+        self.origin = scene.model.origin;
         self.scene = Some(Arc::clone(scene));
         Ok(())
     }
@@ -254,6 +259,15 @@ impl Renderer {
         self.hdlod.is_some()
     }
 
+    /// Draws a line of this sRGB colour around these elements of the scene, as far as they are there, from
+    /// the next frame on: strong where they are seen, weak where something solid is before them. Of very
+    /// many only the largest on the picture have one.
+    pub fn set_selection(&mut self, elements: &[ElementId], color: [u8; 3]) {
+        self.selection.elements.clear();
+        self.selection.elements.extend_from_slice(elements);
+        self.selection.color = Vec3::from(color.map(f32::from)) / 255.0;
+    }
+
     /// Draws a picture of `input.view.size` (held within what the adapter can) and returns without
     /// waiting for the GPU.
     pub fn render(&mut self, input: &FrameInput) -> FrameStats {
@@ -267,7 +281,7 @@ impl Renderer {
         let mut stats = self.select(&view, input.time, input.mode);
         let selected = Instant::now();
         stats.select_ms = (selected - start).as_secs_f64() * 1e3;
-        self.encode(&view, input.mode);
+        self.encode(&view, input.time, input.mode);
         stats.cpu_ms = selected.elapsed().as_secs_f64() * 1e3;
         // What is left of the clusters is one draw a layer.
         let left = self.culler.as_ref().is_some_and(|c| c.triangles() > 0);
@@ -308,6 +322,7 @@ impl Renderer {
     pub fn gpu_bytes(&self) -> u64 {
         self.pool.as_ref().map_or(0, Pool::bytes)
             + self.targets.bytes()
+            + self.selection.bytes()
             + self.culler.as_ref().map_or(0, Culler::bytes)
             + self.commands.size()
             + self.frame.size()
@@ -328,6 +343,7 @@ impl Renderer {
     }
 
     fn new_targets(&mut self, size: UVec2) {
+        self.selection.forget_targets();
         self.targets = Targets::new(&self.gpu, size, self.passes.samples);
         self.groups = PictureGroups::new(&self.gpu, &self.passes, &self.frame, &self.targets);
     }
@@ -365,8 +381,11 @@ impl Renderer {
     }
 
     /// Writes and submits the commands of a frame.
-    fn encode(&mut self, view: &View, mode: DrawMode) {
-        let uniform = FrameUniform::new(view, &self.bounds, self.ground, self.options.edges);
+    fn encode(&mut self, view: &View, time: Time, mode: DrawMode) {
+        let uniform = FrameUniform {
+            accent: self.selection.color,
+            ..FrameUniform::new(view, &self.bounds, self.origin, self.options.edges)
+        };
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         let covered = covered_rectangle(&uniform, &self.bounds, view.tolerance_px);
         let culled = self.prepare_culling(&uniform, covered);
@@ -386,13 +405,25 @@ impl Renderer {
             self.record_culling(&mut encoder, &uniform, offsets, covered);
         }
         let glass = covered.filter(|_| self.has_glass(culled));
-        let last = glass.is_none() && finish.is_none();
+        let scene = self.scene.as_ref().filter(|_| !self.selection.elements.is_empty());
+        let outline = scene.and_then(|s| self.selection.choose(s, view, time, &uniform));
+        let last = glass.is_none() && finish.is_none() && outline.is_none();
         self.draw_scene(&mut encoder, mode, offsets, culled, from_above, last);
+        if let (Some(_), Some(scene), Some(pool)) = (outline, &self.scene, &self.pool) {
+            // What stands behind glass is seen: the mask comes before it.
+            let (frame, targets) = (&self.frame, &self.targets);
+            self.selection.draw_mask(&self.gpu, &mut encoder, frame, targets, scene, pool);
+        }
         if let Some(rectangle) = glass {
-            self.draw_glass(&mut encoder, mode, offsets, culled, rectangle, finish.is_none());
+            let last = finish.is_none() && outline.is_none();
+            self.draw_glass(&mut encoder, mode, offsets, culled, rectangle, last);
         }
         if let Some(rectangle) = finish {
-            self.draw_finish(&mut encoder, rectangle);
+            self.draw_finish(&mut encoder, rectangle, outline.is_none());
+        }
+        if let Some(rectangle) = outline {
+            let stamps = self.timer.as_ref().and_then(|t| t.stamps(false, true));
+            self.selection.draw_line(&mut encoder, &self.targets, rectangle, stamps);
         }
         if let Some(timer) = &mut self.timer {
             timer.resolve(&mut encoder);
@@ -667,7 +698,7 @@ impl Renderer {
 
     /// Smooths and lines a part of the picture, given as x, y, width and height. What smooths cannot
     /// write where it reads, so it works beside the picture, and the part is copied back.
-    fn draw_finish(&self, encoder: &mut wgpu::CommandEncoder, rectangle: [u32; 4]) {
+    fn draw_finish(&self, encoder: &mut wgpu::CommandEncoder, rectangle: [u32; 4], last: bool) {
         let smooths = self.passes.smooth.is_some();
         let target = if smooths { &self.targets.beside } else { &self.targets.scene };
         let depth = (self.passes.samples == 1).then_some(wgpu::RenderPassDepthStencilAttachment {
@@ -685,7 +716,7 @@ impl Renderer {
                 ops: wgpu::Operations { load: wgpu::LoadOp::Load, store: wgpu::StoreOp::Store },
             })],
             depth_stencil_attachment: depth,
-            timestamp_writes: self.timer.as_ref().and_then(|t| t.stamps(false, true)),
+            timestamp_writes: self.timer.as_ref().and_then(|t| t.stamps(false, last)),
             ..Default::default()
         });
         let [x, y, w, h] = rectangle;

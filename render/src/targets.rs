@@ -13,6 +13,29 @@ pub(crate) struct Target {
 }
 
 impl Target {
+    pub fn new(
+        gpu: &Gpu,
+        label: &str,
+        format: wgpu::TextureFormat,
+        size: UVec2,
+        samples: u32,
+        usage: TextureUsages,
+    ) -> Self {
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: samples,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage,
+            view_formats: &[],
+        });
+        let view = texture
+            .create_view(&wgpu::TextureViewDescriptor { label: Some(label), ..Default::default() });
+        Self { texture, view }
+    }
+
     /// From a pixel on.
     pub fn part(&self, x: u32, y: u32) -> wgpu::TexelCopyTextureInfo<'_> {
         let origin = wgpu::Origin3d { x, y, z: 0 };
@@ -39,23 +62,8 @@ impl Targets {
         let attachment = TextureUsages::RENDER_ATTACHMENT;
         let copied = TextureUsages::COPY_SRC | TextureUsages::COPY_DST;
         let readable = attachment | TextureUsages::TEXTURE_BINDING | copied;
-        let target = |label, format, samples, usage| {
-            let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: samples,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage,
-                view_formats: &[],
-            });
-            let view = texture.create_view(&wgpu::TextureViewDescriptor {
-                label: Some(label),
-                ..Default::default()
-            });
-            Target { texture, view }
-        };
+        let target =
+            |label, format, samples, usage| Target::new(gpu, label, format, size, samples, usage);
         let depth_usage = attachment | TextureUsages::TEXTURE_BINDING;
         Self {
             size,

@@ -69,7 +69,9 @@ fn frame_is_laid_out_alike_in_every_shader() {
         edges,
         near,
         pixel_m,
-        padding,
+        grid_from,
+        accent,
+        slack_px,
     });
     let tests = kernels::KERNELS.into_iter().filter(|(name, _)| name.starts_with("test"));
     for (name, text) in SHADERS.into_iter().chain(tests) {
@@ -272,7 +274,7 @@ fn finished_rectangle_covers_the_box() {
     views.push(parallel);
     let mut inside = 0;
     for view in &views {
-        let frame = FrameUniform::new(view, &bounds, 0.0, 0.0);
+        let frame = FrameUniform::new(view, &bounds, glam::DVec3::ZERO, 0.0);
         let [x, y, w, h] = covered_rectangle(&frame, &bounds, 0.0).unwrap();
         for i in 0..1000 {
             let share = Vec3::new((i % 10) as f32, (i / 10 % 10) as f32, (i / 100) as f32) / 9.0;
@@ -288,7 +290,7 @@ fn finished_rectangle_covers_the_box() {
         }
     }
     assert!(inside > 3000, "{inside}");
-    let far = FrameUniform::new(&views[3], &bounds, 0.0, 0.0);
+    let far = FrameUniform::new(&views[3], &bounds, glam::DVec3::ZERO, 0.0);
     let [_, _, w, h] = covered_rectangle(&far, &bounds, 0.0).unwrap();
     assert!(w < 90 && h < 70, "{w} {h}");
     assert_eq!(covered_rectangle(&far, &Aabb::EMPTY, 0.0), None);

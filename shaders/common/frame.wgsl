@@ -34,7 +34,12 @@ struct Frame {
     near: f32,
     // Width of a pixel in parallel projection, metres.
     pixel_m: f32,
-    padding: vec2<f32>,
+    // The project's x and z of the scene's zero, less whole coarse grid lines, metres.
+    grid_from: vec2<f32>,
+    // Colour of the line around what is selected, as the display takes it.
+    accent: vec3<f32>,
+    // By how many pixels' width a selected element may be behind what is drawn and still count as seen.
+    slack_px: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

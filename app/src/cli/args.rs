@@ -233,6 +233,10 @@ pub struct Render {
     #[arg(long)]
     pub color_levels: bool,
 
+    /// Line the elements of this name, label, guid or kind (IfcSlab), as the window does with what is selected.
+    #[arg(long, value_name = "NAME")]
+    pub select: Option<String>,
+
     #[allow(missing_docs)]
     #[command(flatten)]
     pub caching: Caching,

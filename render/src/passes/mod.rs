@@ -3,6 +3,7 @@
 mod edges;
 mod glass;
 mod ground;
+mod outline;
 mod sky;
 mod smooth;
 mod solid;
@@ -10,6 +11,7 @@ mod solid;
 pub(crate) use edges::Edges;
 pub(crate) use glass::Glass;
 pub(crate) use ground::Ground;
+pub(crate) use outline::{MASK_FORMAT, Outline};
 pub(crate) use sky::Sky;
 pub(crate) use smooth::Smooth;
 pub(crate) use solid::Solid;
@@ -26,7 +28,7 @@ pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth3
 
 /// The text of every shader as it is compiled, with its name. The tests validate each.
 #[cfg(test)]
-pub(crate) const SHADERS: [(&str, &str); 7] = [
+pub(crate) const SHADERS: [(&str, &str); 10] = [
     ("solid", solid::SHADER),
     ("glass", glass::SHADER),
     ("sky", sky::SHADER),
@@ -34,6 +36,9 @@ pub(crate) const SHADERS: [(&str, &str); 7] = [
     ("smooth", smooth::SHADER),
     ("edges, one sample", edges::SHADER_ONE),
     ("edges, many samples", edges::SHADER_MANY),
+    ("mask, one sample", outline::MASK_ONE),
+    ("mask, many samples", outline::MASK_MANY),
+    ("outline", outline::SHADER),
 ];
 
 pub(crate) fn module(gpu: &Gpu, label: &str, text: &'static str) -> wgpu::ShaderModule {

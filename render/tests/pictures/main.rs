@@ -4,6 +4,8 @@
 
 mod common;
 mod glass;
+mod selection;
+mod site;
 
 use common::*;
 use glam::{Affine3A, Quat, Vec3};
