@@ -46,5 +46,5 @@ fn ground_fragment(in: GroundOut) -> @location(0) vec4<f32> {
     let ground = PAPER - (0.13 * shade * shade + line * 0.05);
     let from_middle = length(in.place) / max(length(frame.half_extent), 1.0);
     let far = clamp(from_middle / REACH, 0.0, 1.0);
-    return vec4<f32>(mix(ground, SKY_LOW, far * far * (3.0 - 2.0 * far)), BACKGROUND);
+    return background(mix(ground, SKY_LOW, far * far * (3.0 - 2.0 * far)));
 }

@@ -1,5 +1,6 @@
 //! What the shaders know of a frame.
 
+use crate::sun;
 use glam::{DVec3, Mat4, Vec2, Vec3};
 use topout_scene::{Aabb, Projection, View};
 
@@ -28,13 +29,10 @@ pub(crate) struct FrameUniform {
     pub grid_from: Vec2,
     pub accent: Vec3,
     pub slack_px: f32,
-}
-
-/// Towards the sun: azimuth 68 degrees from +Z towards +X, 44 degrees high. Of the standard view's
-/// (azimuth 30, elevation 20) three visible sides, top, right and left, each gets its own tone.
-fn sun() -> Vec3 {
-    let (azimuth, elevation) = (68.0f32.to_radians(), 44.0f32.to_radians());
-    Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos())
+    pub day: f32,
+    pub padding_x: f32,
+    pub padding_y: f32,
+    pub padding_z: f32,
 }
 
 /// Where the ground is: at height zero of the project if the scene reaches below and above it, as
@@ -96,7 +94,7 @@ impl FrameUniform {
             haze_m: if parallel > 0.5 { f32::MAX } else { bounds.diameter().max(1.0) * 30.0 },
             up: up * half_height,
             grid_m,
-            sun: sun(),
+            sun: sun::fixed(),
             height_m: (bounds.max.y - ground).max(1.0),
             middle: Vec2::new(center.x, center.z),
             half_extent: Vec2::new(extent.x, extent.z) * 0.5,
@@ -109,6 +107,10 @@ impl FrameUniform {
             accent: Vec3::ZERO,
             // What is drawn and what is selected may both be off, and by half a pixel more.
             slack_px: 1.0 + 2.0 * view.tolerance_px,
+            day: 1.0,
+            padding_x: 0.0,
+            padding_y: 0.0,
+            padding_z: 0.0,
         }
     }
 

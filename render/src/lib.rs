@@ -14,6 +14,7 @@ mod pool;
 mod readback;
 mod renderer;
 mod selection;
+mod sun;
 mod targets;
 mod timing;
 
@@ -21,6 +22,7 @@ pub use gpu::{Gpu, GpuError, device_descriptor, instance_descriptor};
 pub use input::{Antialias, DrawMode, FrameInput, FrameStats, Occlusion, Options};
 pub use readback::Picture;
 pub use renderer::Renderer;
+pub use sun::Sun;
 
 #[cfg(test)]
 mod tests;

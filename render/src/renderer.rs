@@ -382,7 +382,10 @@ impl Renderer {
 
     /// Writes and submits the commands of a frame.
     fn encode(&mut self, view: &View, time: Time, mode: DrawMode) {
+        let light = self.options.sun.light(time);
         let uniform = FrameUniform {
+            sun: light.toward,
+            day: light.day,
             accent: self.selection.color,
             ..FrameUniform::new(view, &self.bounds, self.origin, self.options.edges)
         };

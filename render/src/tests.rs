@@ -72,6 +72,10 @@ fn frame_is_laid_out_alike_in_every_shader() {
         grid_from,
         accent,
         slack_px,
+        day,
+        padding_x,
+        padding_y,
+        padding_z,
     });
     let tests = kernels::KERNELS.into_iter().filter(|(name, _)| name.starts_with("test"));
     for (name, text) in SHADERS.into_iter().chain(tests) {

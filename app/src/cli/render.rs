@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use topout_render::{FrameInput, FrameStats, Picture, Renderer};
+use topout_render::{FrameInput, FrameStats, Options, Picture, Renderer};
 use topout_scene::{ElementId, Scene};
 use topout_schedule::Time;
 
@@ -49,6 +49,10 @@ pub fn run(args: &args::Render, started: Instant) -> anyhow::Result<Outcome> {
     let mut stage = Stage::set(&args.common, &[mode], args.caching.cache())?;
     if args.color_levels {
         stage.color_levels().context("cannot bring the coloured tree onto the GPU")?;
+    }
+    if let Some(sun) = args.sun {
+        let options = stage.renderer.options();
+        stage.renderer.set_options(Options { sun, ..options });
     }
     if let Some(name) = &args.select {
         stage.renderer.set_selection(&named(&stage.scene, name)?, OUTLINE);

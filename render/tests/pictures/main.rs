@@ -10,7 +10,7 @@ mod site;
 use common::*;
 use glam::{Affine3A, Quat, Vec3};
 use std::sync::Arc;
-use topout_render::{Antialias, DrawMode, FrameInput, Options};
+use topout_render::{Antialias, DrawMode, FrameInput, Options, Sun};
 use topout_scene::{BehaviourId, ElementId, Progress, Projection, Scene, View, hdlod};
 use topout_schedule::{Behaviour, Time};
 
@@ -427,4 +427,34 @@ fn statistics_count_what_is_drawn() {
     }
     r.wait_idle();
     assert!(r.gpu_ms().is_none_or(|ms| ms > 0.0 && ms < 60_000.0));
+}
+
+/// A cube by the clock of a place: at noon the south side is the brightest, in the morning the east side is
+/// brighter than in the evening, at night everything is darker but told apart.
+#[test]
+fn the_sun_follows_the_clock() {
+    let mut r = renderer();
+    r.set_scene(&scene(vec![part(cube(GREEN), Affine3A::from_quat(Quat::from_rotation_y(0.785)))]))
+        .unwrap();
+    let fixed = shot(&mut r, front(), DrawMode::Batched);
+    r.set_options(Options {
+        sun: Sun::Place { latitude_deg: 48.0, longitude_deg: 15.0 },
+        edges: 0.0,
+        ..r.options()
+    });
+    let mut at_hour = |hour: i64| {
+        // 20 March 2026.
+        let p = shot_at(&mut r, front(), DrawMode::Batched, 1_773_964_800 + hour * 3600);
+        // South-west, south-east, sky.
+        [(72, 62), (88, 62), (80, 2)].map(|(x, y)| p.pixel(x, y)[1])
+    };
+    let [morning, noon, evening, night] = [8, 12, 16, 0].map(&mut at_hour);
+    assert!(
+        morning[1] > morning[0] + 20 && evening[0] > evening[1] + 20,
+        "{morning:?} {evening:?}"
+    );
+    assert!(noon[0].abs_diff(noon[1]) < 12, "{noon:?}");
+    assert!(night[2] < noon[2] / 2 + 20 && night[1] > 30, "{night:?} {noon:?}");
+    r.set_options(Options { sun: Sun::Fixed, edges: 0.35, ..r.options() });
+    assert_eq!(fixed, shot(&mut r, front(), DrawMode::Batched));
 }
