@@ -1,4 +1,7 @@
-// Everything transparent, over the solid parts: what is behind shines through, the sky is mirrored.
+// Everything transparent: the solid parts behind it shine through, the sky is mirrored.
+
+// The picture without glass.
+@group(1) @binding(0) var behind: texture_2d<f32>;
 
 struct GlassOut {
     @builtin(position) clip: vec4<f32>,
@@ -23,10 +26,11 @@ fn lit(placed: Placed, material: u32) -> GlassOut {
     let n_eye = clamp(dot(normal, view), 0.0, 1.0);
     let graze = 1.0 - n_eye;
     let graze2 = graze * graze;
-    // A pane is modelled as a thin box: each of its two faces takes half, so that both together
-    // give the opacity of the material.
-    let body = 1.0 - sqrt(1.0 - clamp(m.color.a, 0.0, 1.0));
-    let mirror = 0.04 + 0.60 * graze2 * graze2 * graze;
+    // What stands for a body of glass is the surface in front: it has the opacity of the material,
+    // and mirrors as front and back do together.
+    let body = clamp(m.color.a, 0.0, 1.0);
+    let face = 0.04 + 0.60 * graze2 * graze2 * graze;
+    let mirror = face * (2.0 - face);
 
     let half_way = normalize(frame.sun + view);
     let n_half = max(dot(normal, half_way), 0.0);
@@ -45,5 +49,6 @@ fn lit(placed: Placed, material: u32) -> GlassOut {
 
 @fragment
 fn glass_fragment(v: GlassOut) -> @location(0) vec4<f32> {
-    return v.color;
+    let through = textureLoad(behind, vec2<i32>(v.clip.xy), 0).rgb;
+    return vec4<f32>(mix(through, v.color.rgb, v.color.a), 1.0);
 }

@@ -34,7 +34,7 @@ fn grid_line(place: vec2<f32>, spacing: f32, width_m: vec2<f32>) -> f32 {
 fn ground_fragment(in: GroundOut) -> @location(0) vec4<f32> {
     let width_m = max(abs(dpdx(in.place)) + abs(dpdy(in.place)), vec2<f32>(1e-5));
     // Lines lie on round coordinates of the project.
-    let at = in.place + frame.middle;
+    let at = in.place + frame.middle + frame.grid_from;
     let line = max(
         grid_line(at, frame.grid_m, width_m) * 0.5,
         grid_line(at, frame.grid_m * 10.0, width_m),
@@ -46,5 +46,5 @@ fn ground_fragment(in: GroundOut) -> @location(0) vec4<f32> {
     let ground = PAPER - (0.13 * shade * shade + line * 0.05);
     let from_middle = length(in.place) / max(length(frame.half_extent), 1.0);
     let far = clamp(from_middle / REACH, 0.0, 1.0);
-    return vec4<f32>(mix(ground, SKY_LOW, far * far * (3.0 - 2.0 * far)), BACKGROUND);
+    return background(mix(ground, SKY_LOW, far * far * (3.0 - 2.0 * far)));
 }

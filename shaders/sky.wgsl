@@ -22,5 +22,5 @@ fn sky_fragment(in: SkyOut) -> @location(0) vec4<f32> {
     // Less than one step of the display, so that the gradient shows no bands.
     let noise = fract(52.9829189 * fract(dot(in.clip.xy, vec2<f32>(0.06711056, 0.00583715))));
     let color = mix(SKY_TOP, SKY_LOW, low * low * low) + (noise - 0.5) / 255.0;
-    return vec4<f32>(color, BACKGROUND);
+    return background(color);
 }

@@ -1,6 +1,7 @@
 //! What the shaders know of a frame.
 
-use glam::{Mat4, Vec2, Vec3};
+use crate::sun;
+use glam::{DVec3, Mat4, Vec2, Vec3};
 use topout_scene::{Aabb, Projection, View};
 
 /// The twin of `Frame` in `shaders/common/frame.wgsl`; a test compares the two.
@@ -25,14 +26,13 @@ pub(crate) struct FrameUniform {
     pub edges: f32,
     pub near: f32,
     pub pixel_m: f32,
-    pub padding: [f32; 2],
-}
-
-/// Towards the sun: azimuth 68 degrees from +Z towards +X, 44 degrees high. Of the standard view's
-/// (azimuth 30, elevation 20) three visible sides, top, right and left, each gets its own tone.
-fn sun() -> Vec3 {
-    let (azimuth, elevation) = (68.0f32.to_radians(), 44.0f32.to_radians());
-    Vec3::new(azimuth.sin() * elevation.cos(), elevation.sin(), azimuth.cos() * elevation.cos())
+    pub grid_from: Vec2,
+    pub accent: Vec3,
+    pub slack_px: f32,
+    pub day: f32,
+    pub padding_x: f32,
+    pub padding_y: f32,
+    pub padding_z: f32,
 }
 
 /// Where the ground is: at height zero of the project if the scene reaches below and above it, as
@@ -54,9 +54,10 @@ fn grid_spacing(extent: f32) -> f32 {
 }
 
 impl FrameUniform {
-    /// `bounds` is the box of the scene (any box where there is none), `ground` the height of the
-    /// ground in it, `edges` the strength of the edge lines in [0, 1].
-    pub fn new(view: &View, bounds: &Aabb, ground: f32, edges: f32) -> Self {
+    /// `bounds` is the box of the scene (any box where there is none), `origin` the place of its zero in
+    /// the project, `edges` the strength of the edge lines in [0, 1].
+    pub fn new(view: &View, bounds: &Aabb, origin: DVec3, edges: f32) -> Self {
+        let ground = ground_height(bounds, origin.y);
         let bounds = if bounds.is_empty() {
             Aabb { min: Vec3::new(-10.0, 0.0, -10.0), max: Vec3::splat(10.0) }
         } else {
@@ -80,6 +81,8 @@ impl FrameUniform {
         };
         let extent = bounds.size();
         let center = bounds.center();
+        let grid_m = grid_spacing(extent.x.max(extent.z));
+        let along = |metres: f64| metres.rem_euclid(f64::from(grid_m) * 10.0) as f32;
         Self {
             clip_from_world: view.clip_from_world(reach),
             eye: view.eye,
@@ -90,8 +93,8 @@ impl FrameUniform {
             // Distance from the eye means nothing where rays are parallel.
             haze_m: if parallel > 0.5 { f32::MAX } else { bounds.diameter().max(1.0) * 30.0 },
             up: up * half_height,
-            grid_m: grid_spacing(extent.x.max(extent.z)),
-            sun: sun(),
+            grid_m,
+            sun: sun::fixed(),
             height_m: (bounds.max.y - ground).max(1.0),
             middle: Vec2::new(center.x, center.z),
             half_extent: Vec2::new(extent.x, extent.z) * 0.5,
@@ -100,7 +103,14 @@ impl FrameUniform {
             edges,
             near: view.near(),
             pixel_m: 2.0 * half_height / size.y,
-            padding: [0.0; 2],
+            grid_from: Vec2::new(along(origin.x), along(origin.z)),
+            accent: Vec3::ZERO,
+            // What is drawn and what is selected may both be off, and by half a pixel more.
+            slack_px: 1.0 + 2.0 * view.tolerance_px,
+            day: 1.0,
+            padding_x: 0.0,
+            padding_y: 0.0,
+            padding_z: 0.0,
         }
     }
 

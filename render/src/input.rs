@@ -1,6 +1,7 @@
 //! What a renderer is told, and what it answers.
 
 use crate::gpu::Gpu;
+use crate::sun::Sun;
 use crate::timing::{FrameTimings, GpuTimes};
 use topout_scene::View;
 use topout_schedule::Time;
@@ -48,6 +49,8 @@ pub struct Options {
     pub antialias: Antialias,
     /// Strength of the thin edge lines in [0, 1]; 0 for none.
     pub edges: f32,
+    /// Where the light comes from.
+    pub sun: Sun,
     /// Whether elements outside the frame are left out by the CPU. Off only to test that it makes
     /// no difference.
     pub culling: bool,
@@ -61,7 +64,7 @@ impl Options {
     pub fn for_gpu(gpu: &Gpu) -> Self {
         let antialias = if gpu.is_software() { Antialias::Smooth } else { Antialias::Msaa4 };
         let occlusion = if gpu.is_software() { Occlusion::Cpu } else { Occlusion::Gpu };
-        Self { antialias, edges: 0.35, culling: true, occlusion }
+        Self { antialias, edges: 0.35, sun: Sun::Fixed, culling: true, occlusion }
     }
 }
 

@@ -13,7 +13,9 @@ mod passes;
 mod pool;
 mod readback;
 mod renderer;
+mod selection;
 mod shader;
+mod sun;
 mod targets;
 mod timing;
 
@@ -22,6 +24,7 @@ pub use input::{Antialias, DrawMode, FrameInput, FrameStats, Occlusion, Options}
 pub use readback::Picture;
 pub use renderer::Renderer;
 pub use shader::{ShaderError, ShaderFolder};
+pub use sun::Sun;
 pub use timing::{FrameTimings, GpuTimes, Pass, PassTime};
 
 #[cfg(test)]

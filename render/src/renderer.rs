@@ -4,15 +4,16 @@ mod reload;
 
 use crate::cull::{self, Culler};
 use crate::draw_list::DrawList;
-use crate::frame::{FrameUniform, covered_rectangle, ground_height};
+use crate::frame::{FrameUniform, covered_rectangle};
 use crate::gpu::{Gpu, GpuError};
 use crate::input::{Antialias, DrawMode, FrameInput, FrameStats, Options};
 use crate::passes::{Edges, Glass, Ground, SceneBindings, Sky, Smooth, Solid};
 use crate::pool::{Geometry, INDEX_BYTES, INSTANCE_BYTES, Pool, VERTEX_BYTES};
 use crate::readback::{Picture, texture_bytes};
-use crate::targets::Targets;
+use crate::selection::Selection;
+use crate::targets::{Target, Targets};
 use crate::timing::{GpuTimer, GpuTimes, Laps, Pass};
-use glam::UVec2;
+use glam::{DVec3, UVec2, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
 use topout_scene::{Aabb, ElementId, Hdlod, Layer, Scene, View, hdlod};
@@ -49,6 +50,7 @@ impl Passes {
 /// What the passes over the picture read; made anew with the textures.
 #[derive(Debug)]
 struct PictureGroups {
+    glass: wgpu::BindGroup,
     edges: wgpu::BindGroup,
     smooth: Option<wgpu::BindGroup>,
 }
@@ -56,6 +58,7 @@ struct PictureGroups {
 impl PictureGroups {
     fn new(gpu: &Gpu, passes: &Passes, frame: &wgpu::Buffer, targets: &Targets) -> Self {
         Self {
+            glass: passes.glass.bind(gpu, &targets.beside.view),
             edges: passes.edges.bind(gpu, frame, &targets.depth.view),
             smooth: passes.smooth.as_ref().map(|s| s.bind(gpu, frame, &targets.scene.view)),
         }
@@ -95,7 +98,9 @@ pub struct Renderer {
     scene: Option<Arc<Scene>>,
     hdlod: Option<Arc<Hdlod>>,
     bounds: Aabb,
-    ground: f32,
+    /// Of the scene.
+    origin: DVec3,
+    selection: Selection,
 }
 
 impl Renderer {
@@ -140,7 +145,8 @@ impl Renderer {
             scene: None,
             hdlod: None,
             bounds: Aabb::EMPTY,
-            ground: 0.0,
+            origin: DVec3::ZERO,
+            selection: Selection::default(),
         }
     }
 
@@ -163,7 +169,7 @@ impl Renderer {
         self.options = options;
     }
 
-    /// Uploads a scene in place of the one before, whose HDLOD goes with it.
+    /// Uploads a scene in place of the one before, whose HDLOD and selection go with it.
     ///
     /// # Errors
     /// If it does not fit on the device; there is no scene then.
@@ -173,13 +179,14 @@ impl Renderer {
         self.scene = None;
         self.hdlod = None;
         self.bounds = Aabb::EMPTY;
-        self.ground = 0.0;
+        self.origin = DVec3::ZERO;
+        self.selection.elements.clear();
         self.scene_group = self.bindings.bind(&self.gpu, &self.frame, &self.empty_materials);
         let pool = Pool::new(&self.gpu, scene)?;
         self.scene_group = self.bindings.bind(&self.gpu, &self.frame, &pool.materials);
         self.pool = Some(pool);
         self.bounds = scene.model.bounds();
-        self.ground = ground_height(&self.bounds, scene.model.origin.y);
+        self.origin = scene.model.origin;
         self.scene = Some(Arc::clone(scene));
         Ok(())
     }
@@ -253,6 +260,15 @@ impl Renderer {
         self.hdlod.is_some()
     }
 
+    /// Draws a line of this sRGB colour around these elements of the scene, as far as they are there, from
+    /// the next frame on: strong where they are seen, weak where something solid is before them. Of very
+    /// many only the largest on the picture have one.
+    pub fn set_selection(&mut self, elements: &[ElementId], color: [u8; 3]) {
+        self.selection.elements.clear();
+        self.selection.elements.extend_from_slice(elements);
+        self.selection.color = Vec3::from(color.map(f32::from)) / 255.0;
+    }
+
     /// Draws a picture of `input.view.size` (held within what the adapter can) and returns without
     /// waiting for the GPU.
     pub fn render(&mut self, input: &FrameInput) -> FrameStats {
@@ -270,7 +286,7 @@ impl Renderer {
         let mut stats = self.select(&view, input.time, input.mode);
         laps.end(Pass::Select);
         stats.select_ms = laps.timings.cpu_ms();
-        let culled = self.encode(&view, input.mode, &mut laps);
+        let culled = self.encode(&view, input.time, input.mode, &mut laps);
         stats.cpu_ms = laps.timings.cpu_ms() - stats.select_ms;
         stats.passes = laps.timings;
         stats.frame = self.frames;
@@ -278,8 +294,13 @@ impl Renderer {
         let packed = if culled { 2 } else { 0 };
         let commands = self.list.elements.len() + self.list.clusters.len();
         stats.draws = commands as u64 + packed;
-        let left = self.culler.as_ref().filter(|_| self.cuts(input.mode)).and_then(Culler::left);
-        stats.left = left.map(|left| left + self.list.elements.triangles());
+        let elements = self.list.elements.triangles();
+        if self.cuts(input.mode) {
+            let left = self.culler.as_ref().and_then(Culler::left);
+            stats.left = left.map(|left| left + elements);
+        } else {
+            stats.triangles = elements;
+        }
         stats
     }
 
@@ -326,6 +347,7 @@ impl Renderer {
     pub fn gpu_bytes(&self) -> u64 {
         self.pool.as_ref().map_or(0, Pool::bytes)
             + self.targets.bytes()
+            + self.selection.bytes()
             + self.culler.as_ref().map_or(0, Culler::bytes)
             + self.commands.size()
             + self.frame.size()
@@ -346,6 +368,7 @@ impl Renderer {
     }
 
     fn new_targets(&mut self, size: UVec2) {
+        self.selection.forget_targets();
         self.targets = Targets::new(&self.gpu, size, self.passes.samples);
         self.groups = PictureGroups::new(&self.gpu, &self.passes, &self.frame, &self.targets);
     }
@@ -382,9 +405,6 @@ impl Renderer {
             _ => {
                 self.list.gather_visible(scene, view, time, self.options.culling);
                 stats.visited = scene.model.elements.len() as u32;
-                let of = |id: &ElementId| &scene.model.elements[id.index()];
-                let count = |id| scene.model.triangles_of(of(id)) as u64;
-                stats.triangles = self.list.visible.iter().map(count).sum();
             }
         }
         stats.elements = self.list.visible.len() as u32;
@@ -392,8 +412,14 @@ impl Renderer {
     }
 
     /// Writes and submits the commands of a frame. Says whether clusters were culled.
-    fn encode(&mut self, view: &View, mode: DrawMode, laps: &mut Laps) -> bool {
-        let uniform = FrameUniform::new(view, &self.bounds, self.ground, self.options.edges);
+    fn encode(&mut self, view: &View, time: Time, mode: DrawMode, laps: &mut Laps) -> bool {
+        let light = self.options.sun.light(time);
+        let uniform = FrameUniform {
+            sun: light.toward,
+            day: light.day,
+            accent: self.selection.color,
+            ..FrameUniform::new(view, &self.bounds, self.origin, self.options.edges)
+        };
         self.gpu.queue.write_buffer(&self.frame, 0, bytemuck::bytes_of(&uniform));
         let covered = covered_rectangle(&uniform, &self.bounds, view.tolerance_px);
         laps.end(Pass::Upload);
@@ -421,11 +447,29 @@ impl Renderer {
             self.record_culling(&mut encoder, view, &uniform, offsets, covered);
             laps.end(Pass::Cull);
         }
+        let glass = covered.filter(|_| self.has_glass(culled));
+        let scene = self.scene.as_ref().filter(|_| !self.selection.elements.is_empty());
+        let outline = scene.and_then(|s| self.selection.choose(s, view, time, &uniform));
         self.draw_scene(&mut encoder, mode, offsets, culled, from_above);
         laps.end(Pass::Scene);
+        if let (Some(_), Some(scene), Some(pool)) = (outline, &self.scene, &self.pool) {
+            // What stands behind glass is seen: the mask comes before it.
+            let (frame, targets) = (&self.frame, &self.targets);
+            self.selection.draw_mask(&self.gpu, &mut encoder, frame, targets, scene, pool);
+            laps.end(Pass::Outline);
+        }
+        if let Some(rectangle) = glass {
+            self.draw_glass(&mut encoder, mode, offsets, culled, rectangle);
+            laps.end(Pass::Glass);
+        }
         if let Some(rectangle) = finish {
             self.draw_finish(&mut encoder, rectangle);
             laps.end(Pass::Finish);
+        }
+        if let Some(rectangle) = outline {
+            let stamps = self.timer.as_ref().and_then(|timer| timer.of_render(Pass::Outline));
+            self.selection.draw_line(&mut encoder, &self.targets, rectangle, stamps);
+            laps.end(Pass::Outline);
         }
         if let Some(timer) = &mut self.timer {
             timer.resolve(&mut encoder);
@@ -487,24 +531,11 @@ impl Renderer {
         culled: bool,
         ground: bool,
     ) {
-        let (view, resolve_target) = match &self.targets.many {
-            Some(many) => (&many.view, Some(&self.targets.scene.view)),
-            None => (&self.targets.scene.view, None),
-        };
-        let store =
-            if resolve_target.is_some() { wgpu::StoreOp::Discard } else { wgpu::StoreOp::Store };
+        let color = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("scene"),
-            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
-                view,
-                depth_slice: None,
-                resolve_target,
-                ops: wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
-                    store,
-                },
-            })],
-            depth_stencil_attachment: Some(self.cleared_depth()),
+            color_attachments: &[Some(self.scene_color(color, self.has_glass(culled)))],
+            depth_stencil_attachment: Some(self.scene_depth(wgpu::LoadOp::Clear(0.0))),
             timestamp_writes: self.stamps(Pass::Scene),
             ..Default::default()
         });
@@ -523,16 +554,73 @@ impl Renderer {
             self.passes.ground.draw(&mut pass);
         }
         self.passes.sky.draw(&mut pass);
-        if let Some(pool) = &self.pool {
-            pass.set_pipeline(&self.passes.glass.placed);
-            let at = offsets.map(|o| (o.element_transparent, o.cluster_transparent));
-            let list = &self.list;
-            let (elements, clusters) = (&list.elements.transparent, &list.clusters.transparent);
-            self.draw_layer(&mut pass, pool, mode, elements, clusters, at);
-            if culled {
-                pass.set_pipeline(&self.passes.glass.fixed);
-                self.draw_left(&mut pass, Layer::Transparent);
-            }
+    }
+
+    /// Whether anything transparent may be in the frame.
+    fn has_glass(&self, culled: bool) -> bool {
+        let list = &self.list;
+        let listed = !list.elements.transparent.is_empty() || !list.clusters.transparent.is_empty();
+        listed || (culled && self.culler.as_ref().is_some_and(Culler::has_glass))
+    }
+
+    /// Draws the transparent layer over a copy of the part of the picture where it can be, given as x,
+    /// y, width and height.
+    fn draw_glass(
+        &self,
+        encoder: &mut wgpu::CommandEncoder,
+        mode: DrawMode,
+        offsets: Option<CommandOffsets>,
+        culled: bool,
+        rectangle: [u32; 4],
+    ) {
+        let Some(pool) = &self.pool else { return };
+        copy_part(encoder, &self.targets.scene, &self.targets.beside, rectangle);
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("glass"),
+            color_attachments: &[Some(self.scene_color(wgpu::LoadOp::Load, false))],
+            depth_stencil_attachment: Some(self.scene_depth(wgpu::LoadOp::Load)),
+            timestamp_writes: self.stamps(Pass::Glass),
+            ..Default::default()
+        });
+        pass.set_bind_group(0, &self.scene_group, &[]);
+        pass.set_bind_group(1, &self.groups.glass, &[]);
+        pass.set_pipeline(&self.passes.glass.placed);
+        let at = offsets.map(|o| (o.element_transparent, o.cluster_transparent));
+        let list = &self.list;
+        let (elements, clusters) = (&list.elements.transparent, &list.clusters.transparent);
+        self.draw_layer(&mut pass, pool, mode, elements, clusters, at);
+        if culled {
+            pass.set_pipeline(&self.passes.glass.fixed);
+            self.draw_left(&mut pass, Layer::Transparent);
+        }
+    }
+
+    /// What the scene is drawn into; with several samples also brought to one, and `kept` themselves
+    /// where more is drawn over them.
+    fn scene_color(
+        &self,
+        load: wgpu::LoadOp<wgpu::Color>,
+        kept: bool,
+    ) -> wgpu::RenderPassColorAttachment<'_> {
+        let shown = &self.targets.scene.view;
+        let many = self.targets.many.as_ref().map(|many| &many.view);
+        let kept = kept || many.is_none();
+        wgpu::RenderPassColorAttachment {
+            view: many.unwrap_or(shown),
+            depth_slice: None,
+            resolve_target: many.map(|_| shown),
+            ops: wgpu::Operations {
+                load,
+                store: if kept { wgpu::StoreOp::Store } else { wgpu::StoreOp::Discard },
+            },
+        }
+    }
+
+    fn scene_depth(&self, load: wgpu::LoadOp<f32>) -> wgpu::RenderPassDepthStencilAttachment<'_> {
+        wgpu::RenderPassDepthStencilAttachment {
+            view: &self.targets.depth.view,
+            depth_ops: Some(wgpu::Operations { load, store: wgpu::StoreOp::Store }),
+            stencil_ops: None,
         }
     }
 
@@ -607,7 +695,7 @@ impl Renderer {
                 let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
                     label: Some("occluders"),
                     color_attachments: &[],
-                    depth_stencil_attachment: Some(self.cleared_depth()),
+                    depth_stencil_attachment: Some(self.scene_depth(wgpu::LoadOp::Clear(0.0))),
                     timestamp_writes: self.stamps(Pass::Occluders),
                     ..Default::default()
                 });
@@ -621,17 +709,6 @@ impl Renderer {
             });
         }
         self.culler = Some(culler);
-    }
-
-    fn cleared_depth(&self) -> wgpu::RenderPassDepthStencilAttachment<'_> {
-        wgpu::RenderPassDepthStencilAttachment {
-            view: &self.targets.depth.view,
-            depth_ops: Some(wgpu::Operations {
-                load: wgpu::LoadOp::Clear(0.0),
-                store: wgpu::StoreOp::Store,
-            }),
-            stencil_ops: None,
-        }
     }
 
     /// The elements and the clusters of one layer; `offsets` of their commands, in that order.
@@ -684,9 +761,9 @@ impl Renderer {
 
     /// Smooths and lines a part of the picture, given as x, y, width and height. What smooths cannot
     /// write where it reads, so it works beside the picture, and the part is copied back.
-    fn draw_finish(&self, encoder: &mut wgpu::CommandEncoder, [x, y, w, h]: [u32; 4]) {
+    fn draw_finish(&self, encoder: &mut wgpu::CommandEncoder, rectangle: [u32; 4]) {
         let smooths = self.passes.smooth.is_some();
-        let target = if smooths { &self.targets.smoothed } else { &self.targets.scene };
+        let target = if smooths { &self.targets.beside } else { &self.targets.scene };
         let depth = (self.passes.samples == 1).then_some(wgpu::RenderPassDepthStencilAttachment {
             view: &self.targets.depth.view,
             // Read only: the edges read it as a texture, too.
@@ -705,6 +782,7 @@ impl Renderer {
             timestamp_writes: self.stamps(Pass::Finish),
             ..Default::default()
         });
+        let [x, y, w, h] = rectangle;
         pass.set_scissor_rect(x, y, w, h);
         if let (Some(smooth), Some(group)) = (&self.passes.smooth, &self.groups.smooth) {
             smooth.draw(&mut pass, group);
@@ -714,10 +792,8 @@ impl Renderer {
         }
         drop(pass);
         if smooths {
-            let extent = wgpu::Extent3d { width: w, height: h, depth_or_array_layers: 1 };
-            let (from, to) = (self.targets.smoothed.part(x, y), self.targets.scene.part(x, y));
             GpuTimer::around(self.timer.as_ref(), Pass::Copy, encoder, |encoder| {
-                encoder.copy_texture_to_texture(from, to, extent);
+                copy_part(encoder, &self.targets.beside, &self.targets.scene, rectangle);
             });
         }
     }
@@ -729,6 +805,17 @@ fn new_culler(gpu: &Gpu, options: Options, samples: u32) -> Option<Culler> {
         .inspect_err(|error| tracing::warn!("{error}; drawing what nobody sees too"))
         .ok()
         .flatten()
+}
+
+/// Copies a part, given as x, y, width and height, to the same place of another texture.
+fn copy_part(
+    encoder: &mut wgpu::CommandEncoder,
+    source: &Target,
+    target: &Target,
+    [x, y, width, height]: [u32; 4],
+) {
+    let extent = wgpu::Extent3d { width, height, depth_or_array_layers: 1 };
+    encoder.copy_texture_to_texture(source.part(x, y), target.part(x, y), extent);
 }
 
 /// The paper's baseline (R12): every object brings its own mesh and its own place, as in a viewer

@@ -13,6 +13,29 @@ pub(crate) struct Target {
 }
 
 impl Target {
+    pub fn new(
+        gpu: &Gpu,
+        label: &str,
+        format: wgpu::TextureFormat,
+        size: UVec2,
+        samples: u32,
+        usage: TextureUsages,
+    ) -> Self {
+        let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
+            label: Some(label),
+            size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: samples,
+            dimension: wgpu::TextureDimension::D2,
+            format,
+            usage,
+            view_formats: &[],
+        });
+        let view = texture
+            .create_view(&wgpu::TextureViewDescriptor { label: Some(label), ..Default::default() });
+        Self { texture, view }
+    }
+
     /// From a pixel on.
     pub fn part(&self, x: u32, y: u32) -> wgpu::TexelCopyTextureInfo<'_> {
         let origin = wgpu::Origin3d { x, y, z: 0 };
@@ -30,39 +53,25 @@ pub(crate) struct Targets {
     /// What is shown, one sample a pixel.
     pub scene: Target,
     pub depth: Target,
-    /// Where a part of the picture is smoothed.
-    pub smoothed: Target,
+    /// Beside the picture: a copy that glass is drawn over, then where a part is smoothed.
+    pub beside: Target,
 }
 
 impl Targets {
     pub fn new(gpu: &Gpu, size: UVec2, samples: u32) -> Self {
         let attachment = TextureUsages::RENDER_ATTACHMENT;
-        let readable = attachment | TextureUsages::TEXTURE_BINDING | TextureUsages::COPY_SRC;
-        let target = |label, format, samples, usage| {
-            let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: Some(label),
-                size: wgpu::Extent3d { width: size.x, height: size.y, depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: samples,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage,
-                view_formats: &[],
-            });
-            let view = texture.create_view(&wgpu::TextureViewDescriptor {
-                label: Some(label),
-                ..Default::default()
-            });
-            Target { texture, view }
-        };
+        let copied = TextureUsages::COPY_SRC | TextureUsages::COPY_DST;
+        let readable = attachment | TextureUsages::TEXTURE_BINDING | copied;
+        let target =
+            |label, format, samples, usage| Target::new(gpu, label, format, size, samples, usage);
         let depth_usage = attachment | TextureUsages::TEXTURE_BINDING;
         Self {
             size,
             samples,
             many: (samples > 1).then(|| target("scene samples", SCENE_FORMAT, samples, attachment)),
-            scene: target("scene", SCENE_FORMAT, 1, readable | TextureUsages::COPY_DST),
+            scene: target("scene", SCENE_FORMAT, 1, readable),
             depth: target("depth", DEPTH_FORMAT, samples, depth_usage),
-            smoothed: target("smoothed", SCENE_FORMAT, 1, attachment | TextureUsages::COPY_SRC),
+            beside: target("beside the picture", SCENE_FORMAT, 1, readable),
         }
     }
 

@@ -97,7 +97,13 @@ fn shared_layouts() -> Vec<(&'static str, Layout)> {
                 edges,
                 near,
                 pixel_m,
-                padding,
+                grid_from,
+                accent,
+                slack_px,
+                day,
+                padding_x,
+                padding_y,
+                padding_z,
             }),
         ),
         ("Material", rust_layout!(MaterialRow { color, roughness, metallic, padding })),
@@ -329,7 +335,7 @@ fn finished_rectangle_covers_the_box() {
     views.push(parallel);
     let mut inside = 0;
     for view in &views {
-        let frame = FrameUniform::new(view, &bounds, 0.0, 0.0);
+        let frame = FrameUniform::new(view, &bounds, glam::DVec3::ZERO, 0.0);
         let [x, y, w, h] = covered_rectangle(&frame, &bounds, 0.0).unwrap();
         for i in 0..1000 {
             let share = Vec3::new((i % 10) as f32, (i / 10 % 10) as f32, (i / 100) as f32) / 9.0;
@@ -345,7 +351,7 @@ fn finished_rectangle_covers_the_box() {
         }
     }
     assert!(inside > 3000, "{inside}");
-    let far = FrameUniform::new(&views[3], &bounds, 0.0, 0.0);
+    let far = FrameUniform::new(&views[3], &bounds, glam::DVec3::ZERO, 0.0);
     let [_, _, w, h] = covered_rectangle(&far, &bounds, 0.0).unwrap();
     assert!(w < 90 && h < 70, "{w} {h}");
     assert_eq!(covered_rectangle(&far, &Aabb::EMPTY, 0.0), None);

@@ -23,19 +23,23 @@ pub enum Pass {
     Occluders,
     /// Leaving out triangles that nobody sees.
     Cull,
-    /// Drawing the scene.
+    /// Drawing everything solid, ground and sky.
     Scene,
+    /// Drawing glass over a copy of that.
+    Glass,
     /// Smoothing and edge lines.
     Finish,
     /// Bringing what was smoothed back into the picture.
     Copy,
+    /// Drawing the line around what is selected.
+    Outline,
     /// Handing the commands to the driver.
     Submit,
 }
 
 impl Pass {
     /// All in the order of a frame, with their names and what they do, for people.
-    pub const ALL: [(Self, &'static str, &'static str); 9] = [
+    pub const ALL: [(Self, &'static str, &'static str); 11] = [
         (
             Self::Select,
             "selection",
@@ -49,9 +53,11 @@ impl Pass {
             "culling",
             "Leaving out triangles that nobody sees, by threads or by the adapter.",
         ),
-        (Self::Scene, "scene", "Drawing everything solid, ground, sky and glass."),
+        (Self::Scene, "scene", "Drawing everything solid, ground and sky."),
+        (Self::Glass, "glass", "Drawing the nearest glass over a copy of what is behind."),
         (Self::Finish, "finish", "Smoothing stairs and drawing the edge lines."),
         (Self::Copy, "copy", "Bringing the smoothed part back into the picture."),
+        (Self::Outline, "outline", "Drawing the line around what is selected."),
         (Self::Submit, "submit", "Handing the commands to the graphics driver."),
     ];
     const COUNT: usize = Self::ALL.len();

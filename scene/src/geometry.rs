@@ -129,7 +129,7 @@ pub fn decode_normal(packed: [i8; 2]) -> Vec3 {
 pub enum Layer {
     /// Drawn first, writes depth.
     Opaque,
-    /// Drawn after everything solid, blended.
+    /// Drawn after everything solid, over what is behind it.
     Transparent,
 }
 

@@ -17,7 +17,7 @@ struct Frame {
     up: vec3<f32>,
     // Distance between the ground's fine grid lines, metres.
     grid_m: f32,
-    // Unit vector towards the sun.
+    // Unit vector towards the sun, or what shines by night.
     sun: vec3<f32>,
     // Height of the scene above the ground, metres, at least 1.
     height_m: f32,
@@ -34,7 +34,17 @@ struct Frame {
     near: f32,
     // Width of a pixel in parallel projection, metres.
     pixel_m: f32,
-    padding: vec2<f32>,
+    // The project's x and z of the scene's zero, less whole coarse grid lines, metres.
+    grid_from: vec2<f32>,
+    // Colour of the line around what is selected, as the display takes it.
+    accent: vec3<f32>,
+    // By how many pixels' width a selected element may be behind what is drawn and still count as seen.
+    slack_px: f32,
+    // 1 by day, 0 by night.
+    day: f32,
+    padding_x: f32,
+    padding_y: f32,
+    padding_z: f32,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -8,6 +8,8 @@ const SUN: vec3<f32> = vec3<f32>(2.35, 2.08, 1.72);
 const ZENITH: vec3<f32> = vec3<f32>(0.26, 0.46, 0.76);
 const HORIZON: vec3<f32> = vec3<f32>(0.80, 0.86, 0.92);
 const EARTH: vec3<f32> = vec3<f32>(0.46, 0.44, 0.41);
+// What is left of all light by night: dim and blue, but readable.
+const NIGHT: vec3<f32> = vec3<f32>(0.20, 0.26, 0.40);
 // Light from all around, from above and from below (cool against warm).
 const AMBIENT_ABOVE: vec3<f32> = vec3<f32>(0.60, 0.72, 0.92);
 const AMBIENT_BELOW: vec3<f32> = vec3<f32>(0.36, 0.33, 0.30);
@@ -85,5 +87,5 @@ fn encode(color: vec3<f32>) -> vec3<f32> {
 }
 
 fn display(color: vec3<f32>, distance: f32) -> vec3<f32> {
-    return encode(tonemap(haze(color, distance)));
+    return encode(tonemap(haze(color, distance) * mix(NIGHT, vec3<f32>(1.0), frame.day)));
 }

@@ -7,7 +7,7 @@ use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
 use glam::{DVec3, UVec2};
 use std::path::PathBuf;
 use std::str::FromStr;
-use topout_render::{DrawMode, Occlusion};
+use topout_render::{DrawMode, Occlusion, Sun};
 use topout_scene::NamedView;
 use topout_scene::hdlod::{Simplifier, Temporal};
 use topout_schedule::Time;
@@ -233,6 +233,15 @@ pub struct Render {
     /// elements are grey.
     #[arg(long)]
     pub color_levels: bool,
+
+    /// Light of the sun as it stands there at the instant shown, degrees north and east [default: a
+    /// fixed sun].
+    #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
+    pub sun: Option<Sun>,
+
+    /// Line the elements of this name, label, guid or kind (IfcSlab), as the window does with what is selected.
+    #[arg(long, value_name = "NAME")]
+    pub select: Option<String>,
 
     #[allow(missing_docs)]
     #[command(flatten)]
@@ -492,6 +501,14 @@ fn point(text: &str) -> Result<DVec3, String> {
     <[f64; 3]>::try_from(parts)
         .map(DVec3::from)
         .map_err(|_| "expected three numbers X,Y,Z in metres".to_owned())
+}
+
+fn place(text: &str) -> Result<Sun, String> {
+    text.split_once(',')
+        .and_then(|(lat, lon)| Some((lat.trim().parse().ok()?, lon.trim().parse().ok()?)))
+        .filter(|(lat, lon): &(f32, f32)| lat.abs() <= 90.0 && lon.abs() <= 180.0)
+        .map(|(latitude_deg, longitude_deg)| Sun::Place { latitude_deg, longitude_deg })
+        .ok_or_else(|| "expected degrees north and east such as 52.5,13.4".to_owned())
 }
 
 fn named_view(text: &str) -> Result<NamedView, String> {

@@ -11,7 +11,7 @@ use serde_json::{Map, Value};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use topout_render::{FrameInput, FrameStats, Picture, Renderer};
+use topout_render::{FrameInput, FrameStats, Options, Picture, Renderer};
 use topout_scene::{ElementId, Scene};
 use topout_schedule::Time;
 
@@ -39,6 +39,9 @@ struct Report {
     phases: Map<String, Value>,
 }
 
+/// Colour of the line around what `--select` names: the accent of the window's dark theme.
+const OUTLINE: [u8; 3] = [0x5B, 0x9D, 0xFF];
+
 /// Draws, saves and reports. `started` is the start of the process.
 pub fn run(args: &args::Render, started: Instant) -> anyhow::Result<Outcome> {
     let output = Output::new(args.common.json.clone());
@@ -46,6 +49,13 @@ pub fn run(args: &args::Render, started: Instant) -> anyhow::Result<Outcome> {
     let mut stage = Stage::set(&args.common, &[mode], args.caching.cache())?;
     if args.color_levels {
         stage.color_levels().context("cannot bring the coloured tree onto the GPU")?;
+    }
+    if let Some(sun) = args.sun {
+        let options = stage.renderer.options();
+        stage.renderer.set_options(Options { sun, ..options });
+    }
+    if let Some(name) = &args.select {
+        stage.renderer.set_selection(&named(&stage.scene, name)?, OUTLINE);
     }
     let input = FrameInput { view: view(args, &stage.scene)?, time: args.at, mode };
     let renderer = &mut stage.renderer;
@@ -61,6 +71,19 @@ pub fn run(args: &args::Render, started: Instant) -> anyhow::Result<Outcome> {
     output.say(&report.text());
     output.write(&report)?;
     Ok(Outcome::Fine)
+}
+
+/// Elements that are called so.
+fn named(scene: &Scene, name: &str) -> anyhow::Result<Vec<ElementId>> {
+    let found: Vec<ElementId> = (0u32..)
+        .zip(&scene.model.elements)
+        .filter(|(_, e)| {
+            [&e.name, &e.label, &e.kind].into_iter().chain(&e.guid).any(|text| text == name)
+        })
+        .map(|(id, _)| ElementId(id))
+        .collect();
+    anyhow::ensure!(!found.is_empty(), "--select: no element is called {name:?}");
+    Ok(found)
 }
 
 /// The shortest of a few frames in milliseconds, and what was drawn in it.

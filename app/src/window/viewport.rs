@@ -12,7 +12,7 @@ use egui_wgpu::RenderState;
 use glam::{UVec2, Vec2, Vec3};
 use std::sync::Arc;
 use topout_render::{FrameInput, Gpu, GpuError, Renderer};
-use topout_scene::{Aabb, Hdlod, Scene, hdlod};
+use topout_scene::{Aabb, ElementId, Hdlod, Scene, hdlod};
 
 /// Nearer (below 1) per notch of a mouse wheel.
 const ZOOM_PER_NOTCH: f32 = 0.82;
@@ -28,12 +28,15 @@ pub struct Viewport {
     tree: Option<Arc<Hdlod>>,
     /// What is uploaded has the colours of levels.
     level_colors: bool,
-    drawn: Option<FrameInput>,
+    drawn: Option<(FrameInput, Marked)>,
     gesture: Option<Gesture>,
     /// The shaders' files are looked at, and when that was done last.
     #[cfg(debug_assertions)]
     shaders: (topout_render::ShaderFolder, std::time::Instant),
 }
+
+/// The selected element and the colour of the line around it.
+type Marked = Option<(ElementId, [u8; 3])>;
 
 /// A drag: what was under the pointer when the button went down.
 #[derive(Clone, Copy)]
@@ -103,7 +106,8 @@ impl Viewport {
         }
         #[cfg(debug_assertions)]
         self.reload_shaders(ui, state);
-        self.draw(state);
+        let [r, g, b, _] = palette(ui).accent.to_array();
+        self.draw(state, state.selected.map(|element| (element, [r, g, b])));
         if let Some((texture, _)) = self.texture {
             let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
             ui.painter().image(texture, place, whole, Color32::WHITE);
@@ -254,19 +258,23 @@ impl Viewport {
     }
 
     /// Renders if the picture would differ from the last one.
-    fn draw(&mut self, state: &mut AppState) {
+    fn draw(&mut self, state: &mut AppState, marked: Marked) {
         let input = FrameInput {
             view: state.camera.view(state.picture, state.tolerance_px),
             time: state.time(),
             mode: state.effective_mode(),
         };
         state.frames.add_gpu_times(&self.renderer.take_gpu_times());
-        if self.drawn.as_ref() == Some(&input) {
+        if self.drawn == Some((input, marked)) {
             return;
+        }
+        match marked {
+            Some((element, color)) => self.renderer.set_selection(&[element], color),
+            None => self.renderer.set_selection(&[], [0; 3]),
         }
         let stats = self.renderer.render(&input);
         state.frames.show(stats, self.renderer.has_timestamps());
-        self.drawn = Some(input);
+        self.drawn = Some((input, marked));
         let mut egui_renderer = self.window.renderer.write();
         let (view, filter) = (self.renderer.color_view(), wgpu::FilterMode::Nearest);
         match self.texture {
@@ -283,16 +291,16 @@ impl Viewport {
         }
     }
 
-    /// The box of the selection, and the pivot while turning.
+    /// The box of a selected element that is not there, and the pivot while turning.
     fn paint_marks(&self, ui: &Ui, place: Rect, state: &AppState) {
         let painter = ui.painter().with_clip_rect(place);
         let pixels_per_point = ui.ctx().pixels_per_point();
         let position = |p: Vec2| place.min + egui::vec2(p.x, p.y) / pixels_per_point;
-        if let (Some(project), Some(element)) = (&state.project, state.selected) {
+        if let (Some(project), Some(element)) = (&state.project, state.selected)
+            && !project.scene.behaviour(element).at(state.time())
+        {
             let bounds = &project.scene.model.elements[element.index()].bounds;
-            let there = project.scene.behaviour(element).at(state.time());
-            let accent = palette(ui).accent;
-            let color = if there { accent } else { accent.gamma_multiply(0.45) };
+            let color = palette(ui).accent.gamma_multiply(0.45);
             let margin = bounds.diameter() * 0.01;
             for [a, b] in edges(&bounds.grown(margin)) {
                 if let Some([a, b]) = segment(&state.camera, a, b, state.picture) {

@@ -134,6 +134,14 @@ impl Culler {
         }
     }
 
+    /// Whether transparent triangles may be left.
+    pub fn has_glass(&self) -> bool {
+        match &self.way {
+            Way::Cpu { counts: [_, transparent], .. } => *transparent > 0,
+            Way::Gpu { .. } => self.opaque_items < self.items.len(),
+        }
+    }
+
     /// Triangles of the cut.
     pub fn triangles(&self) -> u64 {
         self.triangles

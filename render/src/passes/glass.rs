@@ -1,6 +1,6 @@
-//! Everything transparent: blended over the solid parts and the sky, tests depth, writes none.
+//! Everything transparent: of each pixel the nearest surface, once, over the picture of what is solid.
 
-use super::{SceneBindings, ScenePipeline, Vertices};
+use super::{SceneBindings, ScenePipeline, Vertices, texture_entry};
 use crate::gpu::Gpu;
 use crate::shader::{Shader, shader};
 
@@ -12,32 +12,30 @@ pub(super) const SHADER: Shader = shader!(
     "glass.wgsl",
 );
 
-/// The pass of the transparent layer.
+/// The pass of the transparent layer. It writes depth as solids do and mixes its colour with what the
+/// copy of the picture has behind it, not with what is drawn: so no order matters, and of surfaces in
+/// one place the first is shown, alone.
 #[derive(Debug)]
 pub(crate) struct Glass {
     /// Of placed geometry.
     pub placed: wgpu::RenderPipeline,
     /// Of geometry that is where it belongs.
     pub fixed: wgpu::RenderPipeline,
+    layout: wgpu::BindGroupLayout,
 }
-
-/// Colour by the shader's opacity, which also adds to the picture's alpha: that of the sky, one step
-/// below 1, becomes 1 wherever glass is, since an element is shown there.
-const BLEND: wgpu::BlendState = wgpu::BlendState {
-    color: wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::SrcAlpha,
-        dst_factor: wgpu::BlendFactor::OneMinusSrcAlpha,
-        operation: wgpu::BlendOperation::Add,
-    },
-    alpha: wgpu::BlendComponent {
-        src_factor: wgpu::BlendFactor::One,
-        dst_factor: wgpu::BlendFactor::One,
-        operation: wgpu::BlendOperation::Add,
-    },
-};
 
 impl Glass {
     pub fn new(gpu: &Gpu, bindings: &SceneBindings, samples: u32) -> Self {
+        let float = wgpu::TextureSampleType::Float { filterable: false };
+        let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("glass"),
+            entries: &[texture_entry(0, float, false)],
+        });
+        let pipelines = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("glass"),
+            bind_group_layouts: &[Some(&bindings.layout), Some(&layout)],
+            immediate_size: 0,
+        });
         let build = |vertex, vertices| {
             ScenePipeline {
                 label: "glass",
@@ -46,15 +44,27 @@ impl Glass {
                 fragment: Some("glass_fragment"),
                 vertices,
                 topology: wgpu::PrimitiveTopology::TriangleList,
-                blend: Some(BLEND),
-                write_depth: false,
+                write_depth: true,
                 compare: wgpu::CompareFunction::Greater,
             }
-            .build(gpu, bindings, samples)
+            .build(gpu, &pipelines, samples)
         };
         Self {
             placed: build("glass_vertex", Vertices::Placed),
             fixed: build("glass_fixed_vertex", Vertices::Fixed),
+            layout,
         }
+    }
+
+    /// `behind`: a copy of the picture without glass.
+    pub fn bind(&self, gpu: &Gpu, behind: &wgpu::TextureView) -> wgpu::BindGroup {
+        gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("glass"),
+            layout: &self.layout,
+            entries: &[wgpu::BindGroupEntry {
+                binding: 0,
+                resource: wgpu::BindingResource::TextureView(behind),
+            }],
+        })
     }
 }

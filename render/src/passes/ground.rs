@@ -22,11 +22,10 @@ impl Ground {
             fragment: Some("ground_fragment"),
             vertices: Vertices::None,
             topology: wgpu::PrimitiveTopology::TriangleStrip,
-            blend: None,
             write_depth: true,
             compare: wgpu::CompareFunction::GreaterEqual,
         }
-        .build(gpu, bindings, samples);
+        .build(gpu, &bindings.pipeline_layout, samples);
         Self { pipeline }
     }
 

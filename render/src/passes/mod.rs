@@ -3,6 +3,7 @@
 mod edges;
 mod glass;
 mod ground;
+mod outline;
 mod sky;
 mod smooth;
 mod solid;
@@ -10,6 +11,7 @@ mod solid;
 pub(crate) use edges::Edges;
 pub(crate) use glass::Glass;
 pub(crate) use ground::Ground;
+pub(crate) use outline::{MASK_FORMAT, Outline};
 pub(crate) use sky::Sky;
 pub(crate) use smooth::Smooth;
 pub(crate) use solid::Solid;
@@ -25,7 +27,7 @@ pub(crate) const SCENE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8U
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The shaders of all passes.
-pub(crate) const SHADERS: [Shader; 7] = [
+pub(crate) const SHADERS: [Shader; 10] = [
     solid::SHADER,
     glass::SHADER,
     sky::SHADER,
@@ -33,6 +35,9 @@ pub(crate) const SHADERS: [Shader; 7] = [
     smooth::SHADER,
     edges::SHADER_ONE,
     edges::SHADER_MANY,
+    outline::MASK_ONE,
+    outline::MASK_MANY,
+    outline::SHADER,
 ];
 
 pub(crate) fn module(gpu: &Gpu, shader: Shader) -> wgpu::ShaderModule {
@@ -162,23 +167,27 @@ struct ScenePipeline<'a> {
     fragment: Option<&'a str>,
     vertices: Vertices,
     topology: wgpu::PrimitiveTopology,
-    blend: Option<wgpu::BlendState>,
     write_depth: bool,
     compare: wgpu::CompareFunction,
 }
 
 impl ScenePipeline<'_> {
-    fn build(&self, gpu: &Gpu, bindings: &SceneBindings, samples: u32) -> wgpu::RenderPipeline {
+    fn build(
+        &self,
+        gpu: &Gpu,
+        layout: &wgpu::PipelineLayout,
+        samples: u32,
+    ) -> wgpu::RenderPipeline {
         let module = module(gpu, self.shader);
         let pool = vertex_buffers();
         let target = [Some(wgpu::ColorTargetState {
             format: SCENE_FORMAT,
-            blend: self.blend,
+            blend: None,
             write_mask: wgpu::ColorWrites::ALL,
         })];
         gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(self.label),
-            layout: Some(&bindings.pipeline_layout),
+            layout: Some(layout),
             vertex: wgpu::VertexState {
                 module: &module,
                 entry_point: Some(self.vertex),

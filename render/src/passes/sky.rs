@@ -22,11 +22,10 @@ impl Sky {
             fragment: Some("sky_fragment"),
             vertices: Vertices::None,
             topology: wgpu::PrimitiveTopology::TriangleList,
-            blend: None,
             write_depth: false,
             compare: wgpu::CompareFunction::GreaterEqual,
         }
-        .build(gpu, bindings, samples);
+        .build(gpu, &bindings.pipeline_layout, samples);
         Self { pipeline }
     }
 

@@ -34,11 +34,10 @@ impl Solid {
                 fragment,
                 vertices,
                 topology: wgpu::PrimitiveTopology::TriangleList,
-                blend: None,
                 write_depth: true,
                 compare: wgpu::CompareFunction::Greater,
             }
-            .build(gpu, bindings, samples)
+            .build(gpu, &bindings.pipeline_layout, samples)
         };
         let fragment = Some("solid_fragment");
         Self {

@@ -42,6 +42,7 @@ impl Renderer {
         std::mem::swap(&mut self.gpu, gpu);
         std::mem::swap(&mut self.passes, passes);
         std::mem::swap(&mut self.culler, culler);
+        self.selection.forget_targets();
         self.groups = PictureGroups::new(&self.gpu, &self.passes, &self.frame, &self.targets);
     }
 }

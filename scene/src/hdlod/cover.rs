@@ -39,7 +39,7 @@ use super::pieces::{Grid, Query, SUBDIVISIONS};
 use super::presence::PresenceTable;
 use super::restate::Pair;
 use super::soup::Triangle;
-use crate::{Aabb, Cancelled, Layer, Progress};
+use crate::{Aabb, Cancelled, Progress};
 use glam::Vec3;
 use std::collections::HashSet;
 use std::ops::{Range, RangeInclusive};
@@ -132,17 +132,7 @@ pub(super) struct Item {
 }
 
 impl Item {
-    /// `panes`: how many times its area the part has, as a ray would meet it.
-    fn flat(
-        mut triangle: Triangle,
-        sources: Range<u32>,
-        unit: u32,
-        palette: &Palette,
-        panes: f32,
-    ) -> Self {
-        if triangle.layer == Layer::Transparent {
-            triangle.material = palette.thick(triangle.material, panes);
-        }
+    fn flat(triangle: Triangle, sources: Range<u32>, unit: u32) -> Self {
         Self { flat: true, ..Self::new(triangle, sources, unit) }
     }
 
@@ -256,7 +246,7 @@ impl<'a> Work<'a> {
     /// Flattens thin parts, moves the corners of the others by at most `snap_m` and sets aside
     /// what lost its area by that.
     fn snapped(source: &[Triangle], snap_m: f32, task: Task<'a>) -> Result<Self, Cancelled> {
-        let Task { cover_m, palette, progress, .. } = task;
+        let Task { cover_m, progress, .. } = task;
         // A point of a cube is at most half the diagonal from its centre.
         let cell = 2.0 * snap_m / 3f32.sqrt();
         let mut work = Self {
@@ -284,8 +274,7 @@ impl<'a> Work<'a> {
                 Some(Flat::Rectangle { halves, distance_m }) => {
                     work.distance_m = work.distance_m.max(distance_m);
                     for half in halves {
-                        let panes = panes(members, &halves);
-                        work.items.push(Item::flat(half, range.clone(), first, palette, panes));
+                        work.items.push(Item::flat(half, range.clone(), first));
                     }
                 }
                 Some(Flat::Sheet { kept, rest, moved_m }) => {
@@ -294,7 +283,7 @@ impl<'a> Work<'a> {
                         let place = first + place;
                         let own = place..place + 1;
                         // The other side of the sheet is gone.
-                        work.items.push(Item::flat(triangle, own, place, palette, 2.0));
+                        work.items.push(Item::flat(triangle, own, place));
                     }
                     work.collapsed.extend(rest.iter().map(|place| first + place));
                 }
@@ -531,16 +520,10 @@ impl<'a> Work<'a> {
     }
 }
 
-/// How many surfaces of a part lie one behind the other where a rectangle stands for it.
-fn panes(part: &[Triangle], halves: &[Triangle; 2]) -> f32 {
-    let area = |triangles: &[Triangle]| triangles.iter().map(Triangle::area).sum::<f32>();
-    (area(part) / area(halves).max(f32::MIN_POSITIVE)).clamp(1.0, 4.0)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::{BehaviourId, Material};
+    use crate::{BehaviourId, Layer, Material};
     use topout_schedule::Behaviour;
 
     fn plate(min: [f32; 2], max: [f32; 2], z: f32, material: u16) -> [Triangle; 2] {

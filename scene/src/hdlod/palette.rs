@@ -117,12 +117,6 @@ impl Palette {
         let level = (opacity * step).round().clamp(1.0, step) as u16 - 1;
         first + SOLID + place * OPACITIES + level
     }
-
-    /// The material of one pane in place of `panes` of them, one behind the other.
-    pub fn thick(&self, own: u16, panes: f32) -> u16 {
-        let through = 1.0 - self.opacity(own);
-        self.blend(own, self.color(own), 1.0 - through.powf(panes))
-    }
 }
 
 #[cfg(test)]
@@ -151,15 +145,6 @@ mod tests {
             let wanted = if clear { a } else { 1.0 };
             prop_assert!((opacity - wanted).abs() < 0.07, "{opacity} for {wanted}");
         }
-    }
-
-    #[test]
-    fn a_pane_for_two_lets_less_through() {
-        let mut glass = material([0.2, 0.3, 0.4, 0.5]);
-        glass.transparent = true;
-        let palette = Palette::new(&[glass]);
-        assert_eq!(palette.thick(0, 1.0), 0);
-        assert_eq!(palette.opacity(palette.thick(0, 2.0)), 0.75);
     }
 
     #[test]

@@ -1,7 +1,5 @@
 //! Small scenes made in code, and a renderer on the real adapter.
 
-#![allow(clippy::unwrap_used)]
-
 use glam::{Affine3A, UVec2, Vec3};
 use std::sync::Arc;
 use topout_render::{DrawMode, FrameInput, Gpu, Picture, Renderer};
@@ -15,6 +13,7 @@ pub const RED: u16 = 0;
 pub const GREEN: u16 = 1;
 pub const BLUE: u16 = 2;
 pub const GLASS: u16 = 3;
+pub const AMBER: u16 = 4;
 
 fn material(name: &str, color: [f32; 4]) -> Material {
     Material {
@@ -26,13 +25,14 @@ fn material(name: &str, color: [f32; 4]) -> Material {
     }
 }
 
-/// Red, green, blue and glass, as the constants say.
+/// Red, green, blue and two sorts of glass, as the constants say.
 pub fn materials() -> Vec<Material> {
     vec![
         material("red", [0.8, 0.05, 0.05, 1.0]),
         material("green", [0.05, 0.7, 0.05, 1.0]),
         material("blue", [0.05, 0.05, 0.8, 1.0]),
         material("glass", [0.6, 0.8, 0.9, 0.3]),
+        material("amber", [0.9, 0.5, 0.1, 0.6]),
     ]
 }
 
@@ -55,7 +55,7 @@ pub fn cube(material: u16) -> Mesh {
             mesh.indices.extend([0, 1, 2, 0, 2, 3].map(|i| base + i));
         }
     }
-    mesh.opaque = if material == GLASS { 0 } else { mesh.indices.len() as u32 };
+    mesh.opaque = if material >= GLASS { 0 } else { mesh.indices.len() as u32 };
     mesh.bounds = Aabb { min: Vec3::NEG_ONE, max: Vec3::ONE };
     mesh
 }
