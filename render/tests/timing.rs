@@ -39,23 +39,33 @@ fn passes_that_ran_have_times_and_no_others() {
     r.set_hdlod(&tree).unwrap();
     let (hdlod, batched) = (DrawMode::Hdlod, DrawMode::Batched);
     let (plain, smooth) = (Antialias::Off, Antialias::Smooth);
-    let options =
-        |occlusion, antialias, edges| Options { antialias, edges, culling: true, occlusion };
+    let base = r.options();
+    let options = |occlusion, antialias, edges| Options { antialias, edges, occlusion, ..base };
     let cases: [(DrawMode, Options, &[Pass], &[Pass]); 4] = [
         (
             hdlod,
             options(Occlusion::Gpu, smooth, 0.3),
-            &[Select, Upload, Cull, Scene, Finish, Submit],
-            &[Recall, Occluders, Cull, Scene, Finish, Copy],
+            &[Select, Upload, Cull, Scene, Glass, Finish, Submit],
+            &[Recall, Occluders, Cull, Scene, Glass, Finish, Copy],
         ),
         (
             hdlod,
             options(Occlusion::Cpu, plain, 0.3),
-            &[Select, Upload, Cull, Scene, Finish, Submit],
-            &[Scene, Finish],
+            &[Select, Upload, Cull, Scene, Glass, Finish, Submit],
+            &[Scene, Glass, Finish],
         ),
-        (hdlod, options(Occlusion::Off, plain, 0.0), &[Select, Upload, Scene, Submit], &[Scene]),
-        (batched, options(Occlusion::Gpu, plain, 0.0), &[Select, Upload, Scene, Submit], &[Scene]),
+        (
+            hdlod,
+            options(Occlusion::Off, plain, 0.0),
+            &[Select, Upload, Scene, Glass, Submit],
+            &[Scene, Glass],
+        ),
+        (
+            batched,
+            options(Occlusion::Gpu, plain, 0.0),
+            &[Select, Upload, Scene, Glass, Submit],
+            &[Scene, Glass],
+        ),
     ];
     for (mode, options, on_cpu, on_gpu) in cases {
         r.set_options(options);
