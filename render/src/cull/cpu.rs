@@ -4,7 +4,7 @@
 
 use super::Item;
 use super::raster::{Corner, Depth, Screen, Visible};
-use glam::{IVec2, Mat4};
+use glam::{IVec2, Mat4, Vec3};
 use std::sync::atomic::{AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use topout_scene::{ElementId, Hdlod, Model};
@@ -120,12 +120,44 @@ impl Cut<'_> {
                 continue;
             }
             let screen = self.screen.placed(Mat4::from(instance.world_from_mesh));
-            for triangle in opaque.chunks_exact(3) {
-                let position = |k: usize| mesh.vertices[triangle[k] as usize].position;
-                screen.occlude_clipped([position(0), position(1), position(2)], depth);
+            let (triangles, _) = opaque.as_chunks::<3>();
+            let mut rest = triangles;
+            while let [triangle, after @ ..] = rest {
+                let position = |vertex: u32| mesh.vertices[vertex as usize].position;
+                let quad = after.first().and_then(|next| quad(triangle, next));
+                match quad.map(|quad| quad.map(position)).filter(is_flat_and_convex) {
+                    Some(quad) => {
+                        screen.occlude_polygon(&quad, depth);
+                        rest = &after[1..];
+                    }
+                    None => {
+                        screen.occlude_polygon(&triangle.map(position), depth);
+                        rest = after;
+                    }
+                }
             }
         }
     }
+}
+
+/// Two triangles with a common edge as one polygon.
+fn quad(a: &[u32; 3], b: &[u32; 3]) -> Option<[u32; 4]> {
+    (0..9).find_map(|i| {
+        let (k, j) = (i / 3, i % 3);
+        let (first, second, third) = (a[k], a[(k + 1) % 3], a[(k + 2) % 3]);
+        let shared = b[j] == second && b[(j + 1) % 3] == first;
+        shared.then(|| [first, b[(j + 2) % 3], second, third])
+    })
+}
+
+fn is_flat_and_convex(corners: &[[f32; 3]; 4]) -> bool {
+    let [a, b, c, d] = corners.map(Vec3::from);
+    let normal = (c - a).cross(d - b);
+    let off = normal.dot(b - a).abs();
+    let turns = [(a, b, c), (b, c, d), (c, d, a), (d, a, b)];
+    // Roundings of positions are of that order.
+    off <= 1e-6 * normal.length() * (c - a).length()
+        && turns.iter().all(|(p, q, r)| (q - p).cross(r - q).dot(normal) > 0.0)
 }
 
 /// All triangles of an item.

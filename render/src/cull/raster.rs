@@ -3,6 +3,7 @@
 
 use glam::{BVec4A, IVec2, Mat4, UVec2, Vec2, Vec3, Vec4, Vec4Swizzles};
 use rayon::prelude::*;
+use std::ops::Deref;
 use topout_scene::Projection;
 
 /// Pixels by which edges may be moved: software adapters bring corners onto a grid of 1/256 pixel.
@@ -204,6 +205,15 @@ impl Extremes {
         Self { least: a.min(b).min(c), most: a.max(b).max(c) }
     }
 
+    /// `None` without corners.
+    fn of_all(corners: &[Corner]) -> Option<Self> {
+        let (first, rest) = corners.split_first()?;
+        Some(rest.iter().fold(Self { least: *first, most: *first }, |e, corner| Self {
+            least: e.least.min(*corner),
+            most: e.most.max(*corner),
+        }))
+    }
+
     fn is_clipped(&self) -> bool {
         self.most.w == f32::INFINITY
     }
@@ -313,24 +323,21 @@ impl Screen {
 
     /// Whether a triangle with such a box covers a pixel of it at which nothing is nearer.
     pub fn look_closely(&self, corners: [Corner; 3], depth: &Depth, box_px: BoxPx) -> bool {
-        let most = Extremes::of(corners).most;
-        let grow = self.grow(most);
+        let extremes = Extremes::of(corners);
+        let grow = self.grow(extremes.most);
         if is_small(box_px) {
             let edges = Edges::new(corners, grow, box_px[0]);
-            return edges.may_be_seen(self.nearest(most), depth, box_px);
+            return edges.may_be_seen(self.nearest(extremes.most), depth, box_px);
         }
-        let rows = Rows::new(corners, grow, box_px);
-        rows.is_some_and(|rows| rows.may_be_seen(&Plane::new(corners, &self.slack), depth))
+        let plane = Plane::new(corners, &extremes, &self.slack);
+        Rows::new(corners, grow, box_px).is_some_and(|rows| rows.may_be_seen(&plane, depth))
     }
 
     /// Whether one of the pixels of a box in space may show something of what is in it.
     pub fn may_show(&self, corners: [Vec3; 8], depth: &Depth) -> bool {
-        let first = self.corner(corners[0].into());
-        let extremes = corners.iter().fold(Extremes { least: first, most: first }, |e, corner| {
-            let corner = self.corner((*corner).into());
-            Extremes { least: e.least.min(corner), most: e.most.max(corner) }
-        });
-        self.look_at_box(&extremes, depth) != Visible::No
+        let corners = corners.map(|corner| self.corner(corner.into()));
+        let extremes = Extremes::of_all(&corners);
+        extremes.is_some_and(|extremes| self.look_at_box(&extremes, depth) != Visible::No)
     }
 
     /// Draws a triangle, unless a corner is clipped.
@@ -341,7 +348,7 @@ impl Screen {
         }
         let grow = -self.grow(extremes.most);
         let Some(box_px) = self.pixels(&extremes, grow) else { return };
-        let plane = Plane::new(corners, &self.slack);
+        let plane = Plane::new(corners, &extremes, &self.slack);
         if plane.is_line {
             return;
         }
@@ -352,38 +359,55 @@ impl Screen {
         }
     }
 
-    /// Draws a triangle, or the part of it that is not clipped.
-    pub fn occlude_clipped(&self, positions: [[f32; 3]; 3], depth: &mut Depth) {
-        let clip = positions.map(|p| self.pixel_from_world * Vec3::from(p).extend(1.0));
-        let corners = clip.map(project);
-        if corners.iter().all(|corner| corner.w < f32::INFINITY) {
-            return self.occlude(corners, depth);
+    /// Draws a flat convex polygon of at most [`MOST_CORNERS`] corners, or the part of it that is not clipped:
+    /// between triangles that are drawn one by one, seams stay open.
+    pub fn occlude_polygon(&self, positions: &[[f32; 3]], depth: &mut Depth) {
+        let clip = |p: &[f32; 3]| self.pixel_from_world * Vec3::from(*p).extend(1.0);
+        let mut polygon = Polygon::new(positions.iter().map(clip));
+        let mut corners = polygon.map(project);
+        if corners.iter().any(|corner| corner.w == f32::INFINITY) {
+            // Inside where the product with each is not negative: before the far plane, behind the near one,
+            // and not too far out.
+            let margin = 2048.0;
+            let (low, high) = (self.first - margin, self.last + margin);
+            let planes = [
+                Vec4::new(0.0, 0.0, 1.0, 0.0),
+                Vec4::new(0.0, 0.0, -1.0, 1.0),
+                Vec4::new(1.0, 0.0, 0.0, -low.x),
+                Vec4::new(-1.0, 0.0, 0.0, high.x),
+                Vec4::new(0.0, 1.0, 0.0, -low.y),
+                Vec4::new(0.0, -1.0, 0.0, high.y),
+            ];
+            for plane in planes {
+                polygon = polygon.cut(plane);
+            }
+            // What was cut at the near plane may lie a rounding before it.
+            let kept = |clip: Vec4| project(clip.with_z(clip.z.clamp(0.0, clip.w.max(0.0))));
+            corners = polygon.map(kept);
         }
-        // Inside where the product with each is not negative: before the far plane, behind the near one, and
-        // not too far out.
-        let margin = 2048.0;
-        let (low, high) = (self.first - margin, self.last + margin);
-        let planes = [
-            Vec4::new(0.0, 0.0, 1.0, 0.0),
-            Vec4::new(0.0, 0.0, -1.0, 1.0),
-            Vec4::new(1.0, 0.0, 0.0, -low.x),
-            Vec4::new(-1.0, 0.0, 0.0, high.x),
-            Vec4::new(0.0, 1.0, 0.0, -low.y),
-            Vec4::new(0.0, -1.0, 0.0, high.y),
-        ];
-        let mut polygon = Polygon::new(&clip);
-        for plane in planes {
-            polygon = polygon.cut(plane);
-        }
-        let [first, rest @ ..] = polygon.corners() else { return };
-        for pair in rest.windows(2) {
-            let corners = [*first, pair[0], pair[1]].map(|clip| {
-                // What was cut at the near plane may lie a rounding before it.
-                project(clip.with_z(clip.z.clamp(0.0, clip.w.max(0.0))))
-            });
-            self.occlude(corners, depth);
+        let Some(extremes) = Extremes::of_all(&corners).filter(|e| !e.is_clipped()) else { return };
+        let grow = -self.grow(extremes.most);
+        let Some(box_px) = self.pixels(&extremes, grow) else { return };
+        let Some(largest) = largest_triangle(&corners) else { return };
+        let plane = Plane::new(largest, &extremes, &self.slack);
+        if !plane.is_line
+            && let Some(rows) = Rows::<ROOM>::around(&corners, grow, box_px)
+        {
+            rows.occlude(&plane, depth);
         }
     }
+}
+
+/// Twice the area of a triangle on the picture, with a sign.
+fn area([a, b, c]: [Corner; 3]) -> f32 {
+    (b - a).xy().perp_dot((c - a).xy())
+}
+
+/// The largest of the triangles between the first corner and two that follow each other.
+fn largest_triangle(corners: &[Corner]) -> Option<[Corner; 3]> {
+    let (first, rest) = corners.split_first()?;
+    let triangles = rest.windows(2).map(|pair| [*first, pair[0], pair[1]]);
+    triangles.max_by(|a, b| area(*a).abs().total_cmp(&area(*b).abs()))
 }
 
 fn project(clip: Vec4) -> Corner {
@@ -394,44 +418,58 @@ fn project(clip: Vec4) -> Corner {
     at.with_w(if kept { scale } else { f32::INFINITY })
 }
 
-/// A convex polygon of at most nine corners in homogeneous coordinates.
+/// Corners that a polygon may be drawn with.
+pub(super) const MOST_CORNERS: usize = 4;
+/// One more for each plane that it is cut at.
+const ROOM: usize = MOST_CORNERS + 6;
+
+/// A convex polygon.
 struct Polygon {
-    corners: [Vec4; 9],
+    corners: [Vec4; ROOM],
     count: usize,
 }
 
 impl Polygon {
-    fn new(triangle: &[Vec4; 3]) -> Self {
-        let mut corners = [Vec4::ZERO; 9];
-        corners[..3].copy_from_slice(triangle);
-        Self { corners, count: 3 }
+    /// Of the first [`ROOM`] corners.
+    fn new(corners: impl Iterator<Item = Vec4>) -> Self {
+        let mut new = Self { corners: [Vec4::ZERO; ROOM], count: 0 };
+        corners.for_each(|corner| new.push(corner));
+        new
     }
 
-    fn corners(&self) -> &[Vec4] {
-        &self.corners[..self.count]
+    fn push(&mut self, corner: Vec4) {
+        if let Some(place) = self.corners.get_mut(self.count) {
+            *place = corner;
+            self.count += 1;
+        }
+    }
+
+    fn map(&self, change: impl Fn(Vec4) -> Vec4) -> Self {
+        Self::new(self.iter().copied().map(change))
     }
 
     /// What is on the inner side of a plane: at most one corner more.
     fn cut(&self, plane: Vec4) -> Self {
-        let mut out = Self { corners: [Vec4::ZERO; 9], count: 0 };
-        let mut push = |corner: Vec4| {
-            if let Some(place) = out.corners.get_mut(out.count) {
-                *place = corner;
-                out.count += 1;
-            }
-        };
-        let corners = self.corners();
-        for (i, &a) in corners.iter().enumerate() {
-            let b = corners[(i + 1) % corners.len()];
+        let mut out = Self::new(std::iter::empty());
+        for (i, &a) in self.iter().enumerate() {
+            let b = self[(i + 1) % self.count];
             let (inner_a, inner_b) = (plane.dot(a), plane.dot(b));
             if inner_a >= 0.0 {
-                push(a);
+                out.push(a);
             }
             if (inner_a >= 0.0) != (inner_b >= 0.0) {
-                push(a.lerp(b, inner_a / (inner_a - inner_b)));
+                out.push(a.lerp(b, inner_a / (inner_a - inner_b)));
             }
         }
         out
+    }
+}
+
+impl Deref for Polygon {
+    type Target = [Vec4];
+
+    fn deref(&self) -> &[Vec4] {
+        &self.corners[..self.count]
     }
 }
 
@@ -453,7 +491,8 @@ struct Plane {
 }
 
 impl Plane {
-    fn new([a, b, c]: [Corner; 3], slack: &Slack) -> Self {
+    /// Of three corners of something flat with these extremes.
+    fn new([a, b, c]: [Corner; 3], extremes: &Extremes, slack: &Slack) -> Self {
         // From the farthest corner on: from a near one, where depths are large, roundings would be, too.
         let [p, q, r] = if a.z <= b.z && a.z <= c.z {
             [a, b, c]
@@ -470,8 +509,7 @@ impl Plane {
         let is_line = !slope.is_finite();
         let slope = if is_line { Vec2::ZERO } else { slope };
         let steep = slope.x.abs() + slope.y.abs();
-        let (nearest, farthest) = (larger(larger(p.z, q.z), r.z), p.z);
-        let near = larger(larger(p.w, q.w), r.w);
+        let (nearest, farthest, near) = (extremes.most.z, extremes.least.z, extremes.most.w);
         Self {
             origin: Vec2::new(p.x, p.y),
             depth: if is_line { nearest } else { p.z },
@@ -500,7 +538,7 @@ impl Plane {
 }
 
 /// The pixels of a triangle whose centres it covers, row by row.
-struct Rows {
+struct Rows<const EDGES: usize> {
     /// First and last pixel.
     low: IVec2,
     high: IVec2,
@@ -508,36 +546,42 @@ struct Rows {
     origin: Vec2,
     /// For each edge: where its line meets a row is `at.x + at.y * y`; pixels are right of it (1), left
     /// of it (-1), or the whole row is on one side (0), inside where `at.x + at.y * y >= 0`.
-    edges: [(Vec2, i8); 3],
+    edges: [(Vec2, i8); EDGES],
 }
 
-impl Rows {
+impl Rows<3> {
     /// `grow`: pixels by which the edges are moved outward; the box says which pixels to look at. `None`
     /// where none can be covered.
     fn new(corners: [Corner; 3], grow: f32, [low, high]: BoxPx) -> Option<Self> {
-        let [p, q, r] = corners.map(Vec4::xy);
-        let corners = [Vec2::ZERO, q - p, r - p];
-        let area = corners[1].perp_dot(corners[2]);
-        let flat = area.recip().is_finite();
-        if !flat && grow < 0.0 {
-            return None;
+        if area(corners).recip().is_finite() {
+            return Self::around(&corners, grow, [low, high]);
         }
-        let edge = |i: usize| {
-            let (a, b) = (corners[i], corners[(i + 1) % 3]);
-            let along = (b - a) * area.signum();
+        // A line has no inside, so all pixels of its box count.
+        let edges = [(Vec2::ZERO, 0); 3];
+        (grow >= 0.0).then_some(Self { low, high, origin: Vec2::ZERO, edges })
+    }
+}
+
+impl<const EDGES: usize> Rows<EDGES> {
+    /// Within the edges of a convex polygon of at most so many corners.
+    fn around(corners: &[Corner], grow: f32, [low, high]: BoxPx) -> Option<Self> {
+        let turn = area(largest_triangle(corners)?).signum();
+        let origin = corners[0].xy();
+        let mut edges = [(Vec2::ZERO, 0); EDGES];
+        for (i, edge) in edges.iter_mut().enumerate().take(corners.len()) {
+            let a = corners[i].xy() - origin;
+            let along = (corners[(i + 1) % corners.len()].xy() - origin - a) * turn;
             // Inside where x * normal.x + y * normal.y + offset >= 0.
             let normal = Vec2::new(-along.y, along.x);
             let offset = grow * (along.x.abs() + along.y.abs()) - normal.dot(a);
-            if normal.x == 0.0 {
+            *edge = if normal.x == 0.0 {
                 (Vec2::new(offset, normal.y), 0)
             } else {
                 let at = Vec2::new(-offset / normal.x, -normal.y / normal.x);
                 (at, if normal.x > 0.0 { 1 } else { -1 })
-            }
-        };
-        // A line has no inside, so all pixels of its box count.
-        let edges = if flat { [edge(0), edge(1), edge(2)] } else { [(Vec2::ZERO, 0); 3] };
-        Some(Self { low, high, origin: p, edges })
+            };
+        }
+        Some(Self { low, high, origin, edges })
     }
 
     /// First and last pixel of a row.
@@ -853,7 +897,7 @@ mod tests {
             let mut corner = || [next() * reach, next() * reach, next() * reach - 0.2];
             let corners = [corner(), corner(), corner()];
             let mut depth = empty();
-            seen_by(&view).occlude_clipped(corners, &mut depth);
+            seen_by(&view).occlude_polygon(&corners, &mut depth);
             let [a, b, c] = corners.map(|p| Vec3::from(p).as_dvec3());
             for (x, y) in every_pixel() {
                 let at =
@@ -884,11 +928,10 @@ mod tests {
         let corners =
             topout_scene::Aabb { min: Vec3::new(-1.0, -1.0, -7.0), max: Vec3::new(1.0, 1.0, -5.0) };
         let wall = |half: f32, z: f32| {
-            // No diagonal goes through the middles of pixels: seams are not covered.
-            let at = |x: f32, y: f32| [x * half, y * half * 1.07, z];
+            let at = |x: f32, y: f32| [x * half, y * half, z];
             let mut depth = empty();
-            screen.occlude_clipped([at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0)], &mut depth);
-            screen.occlude_clipped([at(-1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)], &mut depth);
+            let wall = [at(-1.0, -1.0), at(1.0, -1.0), at(1.0, 1.0), at(-1.0, 1.0)];
+            screen.occlude_polygon(&wall, &mut depth);
             depth.finish(&[]);
             depth
         };
