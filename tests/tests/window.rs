@@ -12,7 +12,7 @@ use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use topout::project::Request;
 use topout::window::{AppState, Command, Panel, Window};
-use topout_render::DrawMode;
+use topout_render::{DrawMode, Sun};
 use topout_scene::cache::Cache;
 use topout_scene::demo::{DemoSettings, generate};
 use topout_scene::{Progress, Scene, link};
@@ -524,6 +524,21 @@ fn the_graph_shows_the_frames_that_were_rendered() {
     harness.key_press(Key::G);
     harness.run();
     assert!(harness.query_by_label_contains("Frame times: median").is_none());
+}
+
+/// The light follows the clock once a place is given, and stands still again.
+#[test]
+fn the_sun_is_chosen_in_its_panel() {
+    let mut harness = open();
+    apply(&mut harness, Command::Toggle(Panel::Sun));
+    assert!(harness.query_by_label_contains("Latitude").is_none());
+    harness.get_by_label("By date and hour").click();
+    harness.run();
+    assert!(matches!(state(&harness).sun, Sun::Place { latitude_deg: 51.5, .. }));
+    harness.get_by_label_contains("Latitude");
+    harness.get_by_label("Fixed").click();
+    harness.run();
+    assert_eq!(state(&harness).sun, Sun::Fixed);
 }
 
 /// What is drawn: menu bar, demo tower on the first day of 2027 seen from the standard corner,

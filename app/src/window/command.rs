@@ -6,7 +6,7 @@ use crate::bench::export::Format;
 use crate::project::Request;
 use egui::{Key, Modifiers};
 use std::path::PathBuf;
-use topout_render::DrawMode;
+use topout_render::{DrawMode, Sun};
 use topout_scene::{ElementId, NamedView};
 use topout_schedule::Time;
 
@@ -21,6 +21,8 @@ pub enum Panel {
     Figures,
     /// Their times as a graph.
     Graph,
+    /// Where the light comes from.
+    Sun,
     /// Findings in the data.
     Diagnostics,
     /// The paper's table, measured here.
@@ -78,6 +80,8 @@ pub enum Command {
     SetTolerance(f32),
     /// Colour clusters by their level, or not.
     ToggleLevelColors,
+    /// Where the light comes from.
+    SetSun(Sun),
     /// Build or refine the tree again after that was cancelled.
     BuildHdlod,
     /// Stop building or refining the tree; what it lacks stays drawn in full detail.
@@ -202,6 +206,7 @@ pub fn actions() -> Vec<Action> {
         action(C::Toggle(Panel::Timeline), "Timeline", Some(S::key(Key::T))),
         action(C::Toggle(Panel::Figures), "Frame figures", Some(S::key(Key::P))),
         action(C::Toggle(Panel::Graph), "Frame times", Some(S::key(Key::G))),
+        action(C::Toggle(Panel::Sun), "Sun…", None),
         action(C::Toggle(Panel::Diagnostics), "Diagnostics", Some(S::key(Key::D))),
         action(C::ToggleLevelColors, "Color by level", Some(S::key(Key::C))),
         action(C::ToggleScheme, "Dark or light", Some(S::key(Key::L))),

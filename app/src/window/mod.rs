@@ -14,6 +14,7 @@ mod loading;
 mod overlay;
 mod reload;
 mod state;
+mod sun;
 mod table;
 mod theme;
 mod timeline;
@@ -197,6 +198,7 @@ impl eframe::App for Window {
             }
             overlay::show(ui, place, &self.state, &mut commands);
             graph::show(&ctx, &self.state, place, &mut commands);
+            sun::show(&ctx, &self.state, place, &mut commands);
         });
         let changed = changed || !commands.is_empty();
         for command in commands {

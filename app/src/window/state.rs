@@ -16,7 +16,7 @@ use glam::{UVec2, Vec3};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread::JoinHandle;
-use topout_render::DrawMode;
+use topout_render::{DrawMode, Sun};
 use topout_scene::cache::Cache;
 use topout_scene::{Cancelled, ElementId, Hdlod, NamedView, Scene, hdlod};
 use topout_schedule::{Time, TimeRange};
@@ -73,6 +73,8 @@ pub struct Panels {
     /// See [`Panel`].
     pub graph: bool,
     /// See [`Panel`].
+    pub sun: bool,
+    /// See [`Panel`].
     pub diagnostics: bool,
     /// See [`Panel`].
     pub table: bool,
@@ -87,6 +89,7 @@ impl Default for Panels {
             timeline: true,
             figures: true,
             graph: false,
+            sun: false,
             diagnostics: false,
             table: false,
             shortcuts: false,
@@ -153,6 +156,8 @@ pub struct AppState {
     pub tolerance_px: f32,
     /// Whether clusters take their colour from their level.
     pub level_colors: bool,
+    /// Where the light comes from.
+    pub sun: Sun,
     /// The selected element.
     pub selected: Option<ElementId>,
 
@@ -196,6 +201,7 @@ impl AppState {
             mode: DrawMode::Hdlod,
             tolerance_px: 1.0,
             level_colors: false,
+            sun: Sun::Fixed,
             selected: None,
             frames: FrameLog::default(),
             panels: Panels::default(),
@@ -280,6 +286,7 @@ impl AppState {
                 }
             }
             Command::ToggleLevelColors => self.level_colors = !self.level_colors,
+            Command::SetSun(sun) => self.sun = sun,
             Command::BuildHdlod if matches!(self.tree, Tree::Ready(_)) => self.refine(),
             Command::BuildHdlod => self.build_tree(),
             Command::CancelHdlod => {
@@ -617,6 +624,7 @@ impl AppState {
             Panel::Timeline => &mut self.panels.timeline,
             Panel::Figures => &mut self.panels.figures,
             Panel::Graph => &mut self.panels.graph,
+            Panel::Sun => &mut self.panels.sun,
             Panel::Diagnostics => &mut self.panels.diagnostics,
             Panel::Table => &mut self.panels.table,
             Panel::Shortcuts => &mut self.panels.shortcuts,

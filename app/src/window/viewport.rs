@@ -11,7 +11,7 @@ use egui::{Color32, PointerButton, Pos2, Rect, Sense, Stroke, TextureId, Ui};
 use egui_wgpu::RenderState;
 use glam::{UVec2, Vec2, Vec3};
 use std::sync::Arc;
-use topout_render::{FrameInput, Gpu, GpuError, Renderer};
+use topout_render::{FrameInput, Gpu, GpuError, Options, Renderer};
 use topout_scene::{Aabb, ElementId, Hdlod, Scene, hdlod};
 
 /// Nearer (below 1) per notch of a mouse wheel.
@@ -265,9 +265,11 @@ impl Viewport {
             mode: state.effective_mode(),
         };
         state.frames.add_gpu_times(&self.renderer.take_gpu_times());
-        if self.drawn == Some((input, marked)) {
+        let options = Options { sun: state.sun, ..self.renderer.options() };
+        if self.drawn == Some((input, marked)) && options == self.renderer.options() {
             return;
         }
+        self.renderer.set_options(options);
         match marked {
             Some((element, color)) => self.renderer.set_selection(&[element], color),
             None => self.renderer.set_selection(&[], [0; 3]),
