@@ -1,5 +1,6 @@
 //! The tree of a scene: out of the cache, or built and then kept there.
 
+use crate::memory;
 use crate::project::Request;
 use std::ffi::OsStr;
 use std::sync::Arc;
@@ -141,6 +142,7 @@ impl Baked {
             }
         }
         result.seconds = started.elapsed().as_secs_f64();
+        memory::give_back();
         Ok(result)
     }
 

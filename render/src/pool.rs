@@ -4,13 +4,12 @@ use crate::gpu::{Gpu, GpuError};
 use bytemuck::{Pod, Zeroable};
 use glam::Affine3A;
 use std::ops::Range;
+use topout_scene::hdlod::Indices;
 use topout_scene::{Hdlod, Material, Mesh, Scene, Vertex, hdlod};
-use wgpu::BufferUsages;
+use wgpu::{BufferUsages, IndexFormat};
 
 /// Bytes of one vertex.
 pub(crate) const VERTEX_BYTES: u64 = size_of::<Vertex>() as u64;
-/// Bytes of one index.
-pub(crate) const INDEX_BYTES: u64 = size_of::<u32>() as u64;
 /// Bytes of one instance.
 pub(crate) const INSTANCE_BYTES: u64 = size_of::<InstanceRow>() as u64;
 
@@ -50,6 +49,8 @@ impl From<&Material> for MaterialRow {
 pub(crate) struct Geometry {
     pub vertices: wgpu::Buffer,
     pub indices: wgpu::Buffer,
+    /// 16 bits where they do.
+    pub format: IndexFormat,
     /// Whether kernels can read both.
     pub readable: bool,
     vertex_count: usize,
@@ -90,6 +91,7 @@ impl Geometry {
         labels: [&'static str; 2],
         vertices: u64,
         indices: u64,
+        format: IndexFormat,
     ) -> Result<Self, GpuError> {
         // A command's base vertex is an i32, its first index a u32.
         let check = |what, count: u64, limit: u64| {
@@ -101,7 +103,9 @@ impl Geometry {
         check(labels[0], vertices, i32::MAX as u64)?;
         check(labels[1], indices, u64::from(u32::MAX))?;
         let limit = gpu.device.limits().max_storage_buffer_binding_size;
-        let readable = vertices * VERTEX_BYTES <= limit && indices * INDEX_BYTES <= limit;
+        // Writes and kernels take whole words.
+        let index_bytes = (indices * u64::from(format.byte_size() as u32)).next_multiple_of(4);
+        let readable = vertices * VERTEX_BYTES <= limit && index_bytes <= limit;
         let storage = if readable { BufferUsages::STORAGE } else { BufferUsages::empty() };
         let usage = BufferUsages::COPY_DST | storage;
         Ok(Self {
@@ -111,10 +115,16 @@ impl Geometry {
                 vertices * VERTEX_BYTES,
                 usage | BufferUsages::VERTEX,
             )?,
-            indices: gpu.buffer(labels[1], indices * INDEX_BYTES, usage | BufferUsages::INDEX)?,
+            indices: gpu.buffer(labels[1], index_bytes, usage | BufferUsages::INDEX)?,
+            format,
             vertex_count: vertices as usize,
             index_count: indices as usize,
         })
+    }
+
+    /// Bits of one index.
+    pub fn index_bits(&self) -> u32 {
+        8 * self.format.byte_size() as u32
     }
 
     fn bytes(&self) -> u64 {
@@ -131,11 +141,13 @@ impl Pool {
         let model = &scene.model;
         let meshes = mesh_ranges(&model.meshes)?;
         let count = |f: fn(&Mesh) -> usize| model.meshes.iter().map(|m| f(m) as u64).sum::<u64>();
+        let short = model.meshes.iter().all(|m| m.vertices.len() <= usize::from(u16::MAX));
         let geometry = Geometry::new(
             gpu,
             ["scene vertices", "scene indices"],
             count(|m| m.vertices.len()),
             count(|m| m.indices.len()),
+            if short { IndexFormat::Uint16 } else { IndexFormat::Uint32 },
         )?;
         let usage = BufferUsages::COPY_DST;
         let instance_bytes = (model.instances.len() as u64 + 1) * INSTANCE_BYTES;
@@ -152,7 +164,14 @@ impl Pool {
         model.meshes.iter().for_each(|m| upload.push(&m.vertices));
         upload.finish();
         let mut upload = Upload::new(gpu, &geometry.indices);
-        model.meshes.iter().for_each(|m| upload.push(&m.indices));
+        for mesh in &model.meshes {
+            if short {
+                let indices: Vec<u16> = mesh.indices.iter().map(|&i| i as u16).collect();
+                upload.push(&indices);
+            } else {
+                upload.push(&mesh.indices);
+            }
+        }
         upload.finish();
         let mut upload = Upload::new(gpu, &instances);
         for instance in &model.instances {
@@ -179,12 +198,13 @@ impl Pool {
             ["cluster vertices", "cluster indices"],
             hdlod.vertices.len() as u64,
             hdlod.indices.len() as u64,
+            format_of(&hdlod.indices),
         )?;
         let mut upload = Upload::new(gpu, &geometry.vertices);
         upload.push(&hdlod.vertices);
         upload.finish();
         let mut upload = Upload::new(gpu, &geometry.indices);
-        upload.push(&hdlod.indices);
+        upload.push(hdlod.indices.bytes(0..hdlod.indices.len()));
         upload.finish();
         self.clusters = Some(geometry);
         Ok(())
@@ -196,13 +216,18 @@ impl Pool {
         let Some(clusters) = &self.clusters else { return false };
         if clusters.vertex_count != hdlod.vertices.len()
             || clusters.index_count != hdlod.indices.len()
+            || clusters.format != format_of(&hdlod.indices)
         {
             return false;
         }
         for range in dirty {
-            let offset = range.start as u64 * INDEX_BYTES;
-            let bytes = bytemuck::cast_slice(&hdlod.indices[range.clone()]);
-            gpu.queue.write_buffer(&clusters.indices, offset, bytes);
+            // From one whole word to another, as far as there are any.
+            let start = range.start & !1;
+            let end = range.end.next_multiple_of(2).min(hdlod.indices.len());
+            let mut upload = Upload::new(gpu, &clusters.indices);
+            upload.offset = (start * hdlod.indices.width()) as u64;
+            upload.push(hdlod.indices.bytes(start..end));
+            upload.finish();
         }
         true
     }
@@ -213,6 +238,13 @@ impl Pool {
             + self.clusters.as_ref().map_or(0, Geometry::bytes)
             + self.instances.size()
             + self.materials.size()
+    }
+}
+
+fn format_of(indices: &Indices) -> IndexFormat {
+    match indices {
+        Indices::Short(_) => IndexFormat::Uint16,
+        Indices::Long(_) => IndexFormat::Uint32,
     }
 }
 
@@ -227,7 +259,7 @@ fn mesh_ranges(meshes: &[Mesh]) -> Result<Vec<MeshRange>, GpuError> {
                 base_vertex: u32::try_from(base_vertex)
                     .map_err(|_| too_big("scene vertices", base_vertex * VERTEX_BYTES))?,
                 first_index: u32::try_from(first_index)
-                    .map_err(|_| too_big("scene indices", first_index * INDEX_BYTES))?,
+                    .map_err(|_| too_big("scene indices", first_index * 4))?,
                 opaque: mesh.opaque,
                 transparent: mesh.indices.len() as u32 - mesh.opaque,
             };
@@ -275,6 +307,8 @@ impl<'a> Upload<'a> {
     }
 
     fn finish(mut self) {
+        // A write is of whole words.
+        self.staging.resize(self.staging.len().next_multiple_of(4), 0);
         self.flush();
     }
 }

@@ -115,7 +115,7 @@ impl Selection {
         pass.set_bind_group(0, &drawing.mask_group, &[]);
         pass.set_vertex_buffer(0, pool.scene.vertices.slice(..));
         pass.set_vertex_buffer(1, pool.instances.slice(..));
-        pass.set_index_buffer(pool.scene.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.set_index_buffer(pool.scene.indices.slice(..), pool.scene.format);
         for (_, id) in &self.shown {
             for instance in scene.model.elements[id.index()].instances.clone() {
                 let mesh = scene.model.instances[instance as usize].mesh;

@@ -115,7 +115,7 @@ fn shared_layouts() -> Vec<(&'static str, Layout)> {
                 items,
                 opaque_items,
                 samples,
-                padding,
+                index_bits,
                 levels,
             }),
         ),

@@ -4,7 +4,8 @@
 use glam::{UVec2, Vec3};
 use std::sync::Arc;
 use topout_render::{Antialias, DrawMode, FrameInput, Gpu, Occlusion, Options, Picture, Renderer};
-use topout_scene::{Hdlod, Progress, Projection, Scene, View, demo, hdlod, link};
+use topout_scene::hdlod::Indices;
+use topout_scene::{Hdlod, Mesh, Model, Progress, Projection, Scene, View, demo, hdlod, link};
 
 fn small_demo() -> (Arc<Scene>, Arc<Hdlod>) {
     let settings = demo::DemoSettings::for_elements(3000);
@@ -78,6 +79,28 @@ fn what_is_left_out_is_never_seen() {
                 assert_eq!(differ, 0, "frame {i}, {occlusion:?}, {antialias:?}");
             }
         }
+    }
+}
+
+/// Big meshes need indices of 32 bits, and so does a tree with big clusters.
+#[test]
+fn wide_indices_draw_the_same() {
+    let (scene, tree) = small_demo();
+    let mut model = Model::clone(&scene.model);
+    let vertices = vec![model.meshes[0].vertices[0]; 1 << 16];
+    model.meshes.push(Mesh { vertices, ..model.meshes[0].clone() });
+    let wide_scene = Arc::new(Scene { model: Arc::new(model), ..Scene::clone(&scene) });
+    let indices = Indices::Long(tree.indices.range(0..tree.indices.len()).collect());
+    let wide_tree = Arc::new(Hdlod { indices, ..Hdlod::clone(&tree) });
+    let (mut r, mut wide) = (renderer(&scene, &tree), renderer(&wide_scene, &wide_tree));
+    let mut frames = journey(&scene);
+    frames.truncate(6);
+    frames[2].mode = DrawMode::Batched;
+    frames[3].mode = DrawMode::Objects;
+    for occlusion in [Occlusion::Off, Occlusion::Cpu, Occlusion::Gpu] {
+        let options = Options { occlusion, ..r.options() };
+        let [narrow, wide] = [&mut r, &mut wide].map(|r| pictures(r, options, &frames));
+        assert!(narrow == wide, "{occlusion:?}");
     }
 }
 

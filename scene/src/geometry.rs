@@ -154,4 +154,9 @@ impl Mesh {
     pub fn triangle_count(&self) -> usize {
         self.indices.len() / 3
     }
+
+    /// The corners of each triangle.
+    pub fn triangles(&self) -> impl ExactSizeIterator<Item = [u32; 3]> + '_ {
+        self.indices.as_chunks::<3>().0.iter().copied()
+    }
 }

@@ -10,7 +10,8 @@ struct Cull {
     opaque_items: u32,
     // Samples a pixel.
     samples: u32,
-    padding: u32,
+    // Of the clusters' indices: 16 or 32.
+    index_bits: u32,
     // Of the depth pyramid's levels: first texel, width and height. Level 0 is the depth itself.
     levels: array<vec4<u32>, 8>,
 }

@@ -73,9 +73,9 @@ fn pack(
         let bit = countTrailingZeros(mask);
         mask &= mask - 1u;
         let at = (item.triangle + bit) * 3u;
-        packed[to] = indices[at] + item.base_vertex;
-        packed[to + 1u] = indices[at + 1u] + item.base_vertex;
-        packed[to + 2u] = indices[at + 2u] + item.base_vertex;
+        packed[to] = index_at(at) + item.base_vertex;
+        packed[to + 1u] = index_at(at + 1u) + item.base_vertex;
+        packed[to + 2u] = index_at(at + 2u) + item.base_vertex;
         to += 3u;
     }
 }

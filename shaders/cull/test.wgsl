@@ -36,9 +36,9 @@ fn clipped(v: vec4<f32>) -> bool {
 
 fn may_be_seen(triangle: u32, base: u32) -> bool {
     let at = triangle * 3u;
-    let a = corner(base + indices[at]);
-    let b = corner(base + indices[at + 1u]);
-    let c = corner(base + indices[at + 2u]);
+    let a = corner(base + index_at(at));
+    let b = corner(base + index_at(at + 1u));
+    let c = corner(base + index_at(at + 2u));
     if clipped(a) || clipped(b) || clipped(c) {
         return true;
     }

@@ -25,18 +25,12 @@ const MOST_THREADS: usize = 4;
 struct Portion {
     /// Corners of the items' triangles on the picture.
     corners: Vec<Corner>,
-    /// For each item, where its corners are.
-    places: Vec<Place>,
+    /// For each of those triangles, which corners of its item.
+    triangles: Vec<[u8; 3]>,
+    /// For each item, where its corners and triangles begin.
+    places: Vec<[usize; 2]>,
     /// Indices of what is left, opaque and transparent.
     packed: [Vec<u32>; 2],
-}
-
-/// Where the corners of an item's triangles are within [`Portion::corners`].
-#[derive(Clone, Copy, Debug)]
-struct Place {
-    start: usize,
-    /// The index of the vertex that comes first; `None` if there are three corners for each triangle.
-    first: Option<u32>,
 }
 
 impl Portion {
@@ -47,45 +41,34 @@ impl Portion {
     /// neighbours share them, so most are needed. Where they are far apart, each corner alone.
     fn place(&mut self, cut: &Cut<'_>, items: &[Item]) {
         self.corners.clear();
+        self.triangles.clear();
         self.places.clear();
         for item in items {
-            let indices = cut.indices(item);
+            self.places.push([self.corners.len(), self.triangles.len()]);
+            let all = || cut.triangles(item).flatten();
             let (least, most) =
-                indices.iter().fold((u32::MAX, 0), |(least, most), &i| (least.min(i), most.max(i)));
-            let together = most - least < Self::MOST.min(item.count * 4);
-            let place = Place { start: self.corners.len(), first: together.then_some(least) };
-            self.places.push(place);
-            if together {
-                let base = item.base_vertex as usize;
-                let vertices = &cut.tree.vertices[least as usize + base..most as usize + base + 1];
+                all().fold((u32::MAX, 0), |(least, most), i| (least.min(i), most.max(i)));
+            let vertices = &cut.tree.vertices[item.base_vertex as usize..];
+            if most - least < Self::MOST.min(item.count * 4) {
+                let vertices = &vertices[least as usize..most as usize + 1];
                 self.corners.extend(vertices.iter().map(|v| cut.screen.corner(v.position)));
+                let own = |index: u32| (index - least) as u8;
+                self.triangles.extend(cut.triangles(item).map(|t| t.map(own)));
             } else {
-                self.corners.extend(indices.iter().map(|&index| {
-                    let vertex = &cut.tree.vertices[(index + item.base_vertex) as usize];
-                    cut.screen.corner(vertex.position)
-                }));
+                let corner = |index: u32| cut.screen.corner(vertices[index as usize].position);
+                self.corners.extend(all().map(corner));
+                let own = |number: u32| [0, 1, 2].map(|k| (number * 3 + k) as u8);
+                self.triangles.extend((0..item.count).map(own));
             }
         }
     }
 
-    /// Corners of the triangles of an item, the `slot`th of the portion, with their bits, out of `which`.
-    fn triangles(
-        &self,
-        cut: &Cut<'_>,
-        slot: usize,
-        item: &Item,
-        which: u32,
-    ) -> impl Iterator<Item = (u32, [Corner; 3])> {
-        let Place { start, first } = self.places[slot];
-        let corners = &self.corners[start..];
-        let indices = cut.indices(item);
+    /// Corners of the triangles of the `slot`th item of the portion, with their bits, out of `which`.
+    fn triangles(&self, slot: usize, which: u32) -> impl Iterator<Item = (u32, [Corner; 3])> {
+        let [corners, triangles] = self.places[slot];
+        let (corners, triangles) = (&self.corners[corners..], &self.triangles[triangles..]);
         bits(which).map(move |bit| {
-            let at = bit as usize * 3;
-            let corner = match first {
-                Some(first) => [0, 1, 2].map(|k| corners[(indices[at + k] - first) as usize]),
-                None => [0, 1, 2].map(|k| corners[at + k]),
-            };
-            (bit, corner)
+            (bit, triangles[bit as usize].map(|corner| corners[usize::from(corner)]))
         })
     }
 }
@@ -105,10 +88,10 @@ pub(super) struct Cut<'a> {
 }
 
 impl Cut<'_> {
-    /// Three for each of the item's triangles, without its base.
-    fn indices(&self, item: &Item) -> &[u32] {
-        let from = item.triangle as usize * 3;
-        &self.tree.indices[from..from + item.count as usize * 3]
+    /// The indices of the item's triangles, without its base.
+    fn triangles(&self, item: &Item) -> impl Iterator<Item = [u32; 3]> {
+        let first = item.triangle as usize;
+        (first..first + item.count as usize).map(|number| self.tree.indices.triangle(number))
     }
 
     /// Draws an element as an occluder.
@@ -313,7 +296,7 @@ impl CpuCuller {
             for (slot, item) in items.iter().enumerate().take(opaque) {
                 let mask = which(first + slot, item);
                 count.fetch_add(mask.count_ones() as usize, Ordering::Relaxed);
-                for (_, corners) in portion.triangles(cut, slot, item, mask) {
+                for (_, corners) in portion.triangles(slot, mask) {
                     cut.screen.occlude(corners, &mut depth);
                 }
             }
@@ -353,7 +336,7 @@ impl CpuCuller {
                     part(self.seen[item.triangle as usize / 32], item)
                 };
                 let mut mask = 0;
-                for (bit, corners) in portion.triangles(cut, slot, item, which) {
+                for (bit, corners) in portion.triangles(slot, which) {
                     let seen = match cut.screen.look(corners, depth) {
                         Visible::No => false,
                         Visible::Yes => true,
@@ -384,10 +367,9 @@ impl CpuCuller {
             portion.packed.iter_mut().for_each(Vec::clear);
             for (slot, item) in (first..).zip(items) {
                 let layer = &mut portion.packed[usize::from(slot >= cut.opaque_items)];
-                let indices = cut.indices(item);
                 for bit in bits(self.masks[slot].load(Ordering::Relaxed)) {
-                    let at = bit as usize * 3;
-                    layer.extend([0, 1, 2].map(|k| indices[at + k] + item.base_vertex));
+                    let corners = cut.tree.indices.triangle((item.triangle + bit) as usize);
+                    layer.extend(corners.map(|index| index + item.base_vertex));
                 }
             }
         });

@@ -1,10 +1,9 @@
 //! Culling on the GPU: a kernel packs the occluders, a render pass draws their depth, kernels make a
 //! pyramid of what is farthest in blocks of pixels, hold every triangle against it and pack what is left.
 
-use super::{Frame, Item, Table};
+use super::{Frame, INDEX_BYTES, Item, Table};
 use crate::gpu::{Gpu, GpuError};
 use crate::passes::module;
-use crate::pool::INDEX_BYTES;
 use crate::shader::{Shader, shader};
 use crate::timing::{GpuTimer, Pass};
 use bytemuck::{Pod, Zeroable};
@@ -26,12 +25,12 @@ pub(crate) struct CullUniform {
     pub items: u32,
     pub opaque_items: u32,
     pub samples: u32,
-    pub padding: u32,
+    pub index_bits: u32,
     pub levels: [[u32; 4]; 8],
 }
 
 const RECALL: Shader = shader!("recall", "common/cull.wgsl", "cull/recall.wgsl");
-const PACK: Shader = shader!("pack", "common/cull.wgsl", "cull/pack.wgsl");
+const PACK: Shader = shader!("pack", "common/cull.wgsl", "cull/indices.wgsl", "cull/pack.wgsl");
 const PYRAMID_ONE: Shader =
     shader!("pyramid, one sample", "common/cull.wgsl", "cull/depth_one.wgsl", "cull/pyramid.wgsl",);
 const PYRAMID_MANY: Shader = shader!(
@@ -44,6 +43,7 @@ const TEST_ONE: Shader = shader!(
     "test, one sample",
     "common/frame.wgsl",
     "common/cull.wgsl",
+    "cull/indices.wgsl",
     "cull/depth_one.wgsl",
     "cull/test.wgsl",
 );
@@ -51,6 +51,7 @@ const TEST_MANY: Shader = shader!(
     "test, many samples",
     "common/frame.wgsl",
     "common/cull.wgsl",
+    "cull/indices.wgsl",
     "cull/depth_many.wgsl",
     "cull/test.wgsl",
 );
@@ -193,7 +194,7 @@ impl GpuCuller {
             items: items as u32,
             opaque_items: opaque_items as u32,
             samples: frame.samples,
-            padding: 0,
+            index_bits: frame.geometry.index_bits(),
             levels,
         };
         gpu.queue.write_buffer(&self.uniform, 0, bytemuck::bytes_of(&uniform));

@@ -19,7 +19,7 @@ mod raster;
 
 use crate::gpu::{Gpu, GpuError};
 use crate::input::Occlusion;
-use crate::pool::{Geometry, INDEX_BYTES};
+use crate::pool::Geometry;
 use crate::timing::GpuTimer;
 use bytemuck::{Pod, Zeroable};
 use cpu::{CpuCuller, Cut};
@@ -29,6 +29,9 @@ use raster::Screen;
 use topout_scene::hdlod::Span;
 use topout_scene::{ElementId, Hdlod, Layer, Model, View};
 use wgpu::BufferUsages;
+
+/// Bytes of one index of what is left.
+const INDEX_BYTES: u64 = size_of::<u32>() as u64;
 
 /// At most 32 triangles that follow each other, all in one word of a table of bits. The twin of `Item` in
 /// `shaders/common/cull.wgsl`; a test compares the two.

@@ -4,7 +4,7 @@ use super::{CommandOffsets, Renderer};
 use crate::cull::{self, Culler};
 use crate::frame::FrameUniform;
 use crate::input::DrawMode;
-use crate::pool::{Geometry, INDEX_BYTES, INSTANCE_BYTES, Pool, VERTEX_BYTES};
+use crate::pool::{Geometry, INSTANCE_BYTES, Pool, VERTEX_BYTES};
 use crate::targets::Target;
 use crate::timing::{GpuTimer, Pass};
 use topout_scene::{Layer, View};
@@ -232,7 +232,7 @@ impl Renderer {
         }
         pass.set_vertex_buffer(0, geometry.vertices.slice(..));
         pass.set_vertex_buffer(1, pool.instances.slice(..));
-        pass.set_index_buffer(geometry.indices.slice(..), wgpu::IndexFormat::Uint32);
+        pass.set_index_buffer(geometry.indices.slice(..), geometry.format);
         match offset {
             Some(offset) => {
                 pass.multi_draw_indexed_indirect(&self.commands, offset, commands.len() as u32);
@@ -301,13 +301,14 @@ fn copy_part(
 /// The paper's baseline (R12): every object brings its own mesh and its own place, as in a viewer
 /// that keeps them in buffers of their own.
 fn draw_one_by_one(pass: &mut wgpu::RenderPass<'_>, pool: &Pool, commands: &[Command]) {
+    let format = pool.scene.format;
     for c in commands {
         let vertices = c.base_vertex as u64 * VERTEX_BYTES;
-        let indices = u64::from(c.first_index) * INDEX_BYTES;
+        let indices = u64::from(c.first_index) * u64::from(format.byte_size());
         let instance = u64::from(c.first_instance) * INSTANCE_BYTES;
         pass.set_vertex_buffer(0, pool.scene.vertices.slice(vertices..));
         pass.set_vertex_buffer(1, pool.instances.slice(instance..instance + INSTANCE_BYTES));
-        pass.set_index_buffer(pool.scene.indices.slice(indices..), wgpu::IndexFormat::Uint32);
+        pass.set_index_buffer(pool.scene.indices.slice(indices..), format);
         pass.draw_indexed(0..c.index_count, 0, 0..1);
     }
 }

@@ -7,11 +7,12 @@
 //! | 8 | [`MAGIC`] |
 //! | 4, 4 | [`FORMAT`], [`hdlod::ALGORITHM`] |
 //! | 32 | the [`Key`] |
-//! | 4 x (8, 8) | offset and length of the sections, see [`Section`] |
+//! | 5 x (8, 8) | offset and length of the sections, see [`Section`] |
 //! | 32 | BLAKE3 of every other byte of the file |
 //! | .. | the sections, each at a multiple of [`ALIGNMENT`], zeros between them |
 
 use super::Key;
+use crate::hdlod::Indices;
 use crate::{Hdlod, Scene, Vertex, hdlod};
 use bytemuck::{Pod, cast_slice};
 use serde::{Deserialize, Serialize};
@@ -21,11 +22,11 @@ use topout_schedule::Time;
 
 /// Counts up whenever a file is laid out in another way: also when a field of [`Hdlod`] or of a
 /// type in it comes, goes or changes its type.
-pub const FORMAT: u32 = 3;
+pub const FORMAT: u32 = 4;
 
 const MAGIC: [u8; 8] = *b"topoutLD";
 const ALIGNMENT: usize = 64;
-const SECTIONS: usize = 4;
+const SECTIONS: usize = 5;
 pub(super) const CHECKSUM_AT: usize = 48 + SECTIONS * 16;
 pub(super) const HEADER: usize = CHECKSUM_AT + 32;
 /// Longest description that is read.
@@ -42,8 +43,10 @@ enum Section {
     Tree,
     /// [`Hdlod::vertices`], raw.
     Vertices,
-    /// [`Hdlod::indices`], raw.
-    Indices,
+    /// [`Hdlod::indices`] of 16 bits, raw.
+    Short,
+    /// [`Hdlod::indices`] of 32 bits, raw; one of the two is empty.
+    Long,
 }
 
 /// What a tree in the cache is of, for people.
@@ -89,8 +92,12 @@ pub enum Unusable {
 /// Writes one tree.
 pub(super) fn write(mut out: impl Write, key: &Key, info: &Info, tree: &Hdlod) -> io::Result<()> {
     let (info, rest) = (postcard(info)?, postcard(tree)?);
-    let sections: [&[u8]; SECTIONS] =
-        [&info, &rest, cast_slice(tree.vertices.as_slice()), cast_slice(&tree.indices)];
+    let (short, long): (&[u16], &[u32]) = match &tree.indices {
+        Indices::Short(table) => (table, &[]),
+        Indices::Long(table) => (&[], table),
+    };
+    let vertices = cast_slice(tree.vertices.as_slice());
+    let sections: [&[u8]; SECTIONS] = [&info, &rest, vertices, cast_slice(short), cast_slice(long)];
     let mut header = Vec::with_capacity(HEADER);
     header.extend_from_slice(&MAGIC);
     header.extend_from_slice(&FORMAT.to_le_bytes());
@@ -140,11 +147,10 @@ pub(super) fn read(bytes: &[u8], key: &Key, scene: &Scene) -> Result<Hdlod, Unus
     }
     header.check(bytes)?;
     let (tables, tree) = rayon::join(
-        || Some((header.table(bytes, Section::Vertices)?, header.table(bytes, Section::Indices)?)),
+        || Some((header.table(bytes, Section::Vertices)?, header.indices(bytes)?)),
         || postcard::from_bytes::<Hdlod>(header.section(bytes, Section::Tree)?).ok(),
     );
-    let (vertices, indices): (Vec<Vertex>, Vec<u32>) =
-        tables.ok_or(Unusable::Content("a table"))?;
+    let (vertices, indices): (Vec<Vertex>, Indices) = tables.ok_or(Unusable::Content("a table"))?;
     let tree = tree.ok_or(Unusable::Content("the tree"))?;
     let tree = Hdlod { vertices: Arc::new(vertices), indices, ..tree };
     tree.validate(scene).map_err(Unusable::Content)?;
@@ -210,6 +216,14 @@ impl Header {
         let (start, length) = self.sections[section as usize];
         let start = usize::try_from(start).ok()?;
         bytes.get(start..start.checked_add(usize::try_from(length).ok()?)?)
+    }
+
+    fn indices(&self, bytes: &[u8]) -> Option<Indices> {
+        let long: Vec<u32> = self.table(bytes, Section::Long)?;
+        if long.is_empty() {
+            return Some(Indices::Short(self.table(bytes, Section::Short)?));
+        }
+        self.section(bytes, Section::Short)?.is_empty().then_some(Indices::Long(long))
     }
 
     /// A copy of a table: the only one on the way from the file to the tree.

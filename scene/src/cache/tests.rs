@@ -231,8 +231,8 @@ fn draw(scene: &Scene, tree: &Hdlod) {
         for date in [-1, 3, 50, 99] {
             for span in select(scene, tree, &view, Time::from_seconds(date)).spans {
                 let first = span.first_index as usize;
-                for i in &tree.indices[first..first + span.index_count as usize] {
-                    assert!(span.base_vertex as usize + (*i as usize) < tree.vertices.len());
+                for i in tree.indices.range(first..first + span.index_count as usize) {
+                    assert!(span.base_vertex as usize + (i as usize) < tree.vertices.len());
                 }
             }
         }
@@ -246,8 +246,8 @@ fn every_kind_of_wrong_reference_is_refused() {
     let last = good.clusters.len() - 1;
     let inner = good.children.iter().position(|c| matches!(c, Node::Cluster(_))).unwrap();
     let changes: [Change<Hdlod>; 18] = [
-        ("index", &|t| t.indices[4] = u32::MAX),
-        ("indices", &|t| t.indices.truncate(t.indices.len() - 3)),
+        ("index", &|t| t.indices.short()[4] = u16::MAX),
+        ("indices", &|t| _ = t.indices.short().pop()),
         ("vertices", &|t| _ = Arc::make_mut(&mut t.vertices).pop()),
         ("position", &|t| Arc::make_mut(&mut t.vertices)[2].position[1] = f32::NAN),
         ("material", &|t| Arc::make_mut(&mut t.vertices)[2].material = u16::MAX),

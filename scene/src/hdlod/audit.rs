@@ -206,8 +206,8 @@ fn measure(
 fn triangles_of(hdlod: &Hdlod, cluster: &Cluster) -> Vec<Triangle> {
     let mut out = Vec::with_capacity(cluster.triangle_count());
     for (layer, run, range) in cluster.runs() {
-        for triple in hdlod.indices[range].chunks_exact(3) {
-            let v = [0, 1, 2].map(|k| hdlod.vertices[(cluster.base_vertex() + triple[k]) as usize]);
+        for corners in hdlod.indices.triangles(range) {
+            let v = corners.map(|i| hdlod.vertices[(cluster.base_vertex() + i) as usize]);
             out.push(Triangle {
                 corners: v.map(|v| v.position.into()),
                 normals: v.map(|v| v.normal),

@@ -425,7 +425,7 @@ fn finish(
             layers: inner.geometry.layers,
         });
         Arc::make_mut(&mut result.vertices).extend_from_slice(&inner.geometry.vertices);
-        result.indices.extend_from_slice(&inner.geometry.indices);
+        result.indices.append(inner.geometry.indices);
     }
     result.root = root.map(|r| nodes[r as usize]);
     result

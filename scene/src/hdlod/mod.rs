@@ -30,6 +30,7 @@ mod contract;
 mod cover;
 mod grouping;
 mod hilbert;
+mod indices;
 mod ladder;
 mod mixture;
 mod paint;
@@ -49,6 +50,7 @@ mod validate;
 pub mod verify;
 
 pub use build::build;
+pub use indices::Indices;
 pub use paint::color_by_level;
 pub use palette::blends;
 pub use report::LevelReport;
@@ -125,7 +127,7 @@ pub struct Hdlod {
     pub vertices: Arc<Vec<Vertex>>,
     /// Indices of all clusters, three a triangle, relative to [`Cluster::base_vertex`].
     #[serde(skip)]
-    pub indices: Vec<u32>,
+    pub indices: Indices,
     /// Inner nodes, children before parents.
     pub clusters: Vec<Cluster>,
     /// Children of all clusters, see [`Cluster::children`].
@@ -203,6 +205,12 @@ impl Cluster {
         })
     }
 
+    /// Where its indices are in [`Hdlod::indices`]: after those of the clusters before it.
+    pub fn indices(&self) -> Range<usize> {
+        let first = self.first_index as usize;
+        first..first + self.layers[1].end() as usize
+    }
+
     /// Added to its indices; a place in [`Hdlod::vertices`].
     pub fn base_vertex(&self) -> u32 {
         self.base_vertex
@@ -272,7 +280,7 @@ impl Hdlod {
             stats.root_triangles = self.clusters[root as usize].triangle_count();
         }
         stats.geometry_bytes =
-            std::mem::size_of_val(&self.vertices[..]) + std::mem::size_of_val(&self.indices[..]);
+            std::mem::size_of_val(&self.vertices[..]) + self.indices.len() * self.indices.width();
         stats
     }
 }

@@ -33,7 +33,7 @@ pub fn color_by_level(scene: &Scene, tree: &Hdlod) -> (Scene, Hdlod) {
     for cluster in &tree.clusters {
         let own = 2 * (1 + cluster.level - first) as u16;
         for (layer, _, range) in cluster.runs() {
-            for &index in &tree.indices[range] {
+            for index in tree.indices.range(range) {
                 let vertex = (cluster.base_vertex() + index) as usize;
                 vertices[vertex].material = own + u16::from(layer == Layer::Transparent);
             }
@@ -96,7 +96,7 @@ mod tests {
             let mut colors = std::collections::BTreeMap::new();
             for cluster in &painted.clusters {
                 for (layer, _, range) in cluster.runs() {
-                    for &index in &painted.indices[range] {
+                    for index in painted.indices.range(range) {
                         let vertex = painted.vertices[(cluster.base_vertex() + index) as usize];
                         let material = &painted_scene.model.materials[usize::from(vertex.material)];
                         prop_assert_eq!(material.transparent, layer == Layer::Transparent);

@@ -11,6 +11,7 @@ use super::{Cluster, Hdlod, Node, Settings, Temporal, build};
 use crate::{Aabb, Cancelled, Progress, Scene};
 use rayon::prelude::*;
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 impl Hdlod {
@@ -86,7 +87,7 @@ impl Hdlod {
             cluster.stale = false;
             if let Some(new) = merged.remove(&(i as u32)) {
                 vertices.extend_from_slice(&new.geometry.vertices);
-                tree.indices.extend_from_slice(&new.geometry.indices);
+                tree.indices.append(new.geometry.indices.iter().copied());
                 cluster.layers = new.geometry.layers;
                 cluster.pairs = new.pairs.into();
                 cluster.eps = new.eps;
@@ -97,7 +98,7 @@ impl Hdlod {
                 let end = self.clusters.get(i + 1).map(|c| c.base_vertex as usize);
                 let range = old.base_vertex as usize..end.unwrap_or(self.vertices.len());
                 vertices.extend_from_slice(&self.vertices[range]);
-                tree.indices.extend_from_slice(self.indices_of(old));
+                tree.indices.append(self.indices.range(old.indices()));
                 cluster.layers.iter_mut().flat_map(|l| &mut l.runs).for_each(|run| {
                     run.built = run.behaviour;
                 });
@@ -108,11 +109,6 @@ impl Hdlod {
         }
         tree.vertices = Arc::new(vertices);
         tree
-    }
-
-    fn indices_of(&self, cluster: &Cluster) -> &[u32] {
-        let first = cluster.first_index as usize;
-        &self.indices[first..first + cluster.layers[1].end() as usize]
     }
 }
 
@@ -213,7 +209,11 @@ impl Work<'_> {
                     Some(new) => new.geometry.append_triangles(out),
                     None => {
                         let vertices = &self.hdlod.vertices[old.base_vertex as usize..];
-                        append_runs(&old.layers, vertices, self.hdlod.indices_of(old), out);
+                        let first = old.first_index as usize;
+                        let triangles = |range: Range<usize>| {
+                            self.hdlod.indices.triangles(first + range.start..first + range.end)
+                        };
+                        append_runs(&old.layers, vertices, triangles, out);
                     }
                 }
             }

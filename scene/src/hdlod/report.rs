@@ -105,10 +105,9 @@ impl Hdlod {
 
     /// Square metres of a cluster's triangles.
     fn area(&self, cluster: &Cluster) -> f64 {
-        let first = cluster.first_index as usize;
-        let indices = &self.indices[first..first + cluster.triangle_count() * 3];
+        let triangles = self.indices.triangles(cluster.indices());
         let base = cluster.base_vertex as usize;
-        area(indices, |i| position(&self.vertices[base + i]))
+        area(triangles, |i| position(&self.vertices[base + i]))
     }
 
     /// Of a cluster's children; `None` of fewer than two.
@@ -143,7 +142,7 @@ fn element_areas(scene: &Scene) -> Vec<f64> {
     let model = &scene.model;
     let instance = |i: &crate::Instance| {
         let mesh = &model.meshes[i.mesh.index()];
-        area(&mesh.indices, |v| i.world_from_mesh.transform_point3(position(&mesh.vertices[v])))
+        area(mesh.triangles(), |v| i.world_from_mesh.transform_point3(position(&mesh.vertices[v])))
     };
     let elements = model.elements.par_iter().with_min_len(256);
     elements.map(|e| model.instances_of(e).iter().map(instance).sum()).collect()
@@ -154,12 +153,12 @@ fn position(vertex: &Vertex) -> Vec3 {
 }
 
 /// Square metres of triangles.
-fn area(indices: &[u32], corner: impl Fn(usize) -> Vec3) -> f64 {
-    let triangle = |t: &[u32]| {
-        let [a, b, c] = [0, 1, 2].map(|k| corner(t[k] as usize));
+fn area(triangles: impl Iterator<Item = [u32; 3]>, corner: impl Fn(usize) -> Vec3) -> f64 {
+    let triangle = |corners: [u32; 3]| {
+        let [a, b, c] = corners.map(|index| corner(index as usize));
         f64::from((b - a).cross(c - a).length()) * 0.5
     };
-    indices.chunks_exact(3).map(triangle).sum()
+    triangles.map(triangle).sum()
 }
 
 /// Cubic metres.
@@ -207,7 +206,7 @@ mod tests {
     fn drawn(tree: &Hdlod, cluster: &Cluster) -> Vec<[Vec3; 3]> {
         let vertex = |i: u32| tree.vertices[(cluster.base_vertex() + i) as usize].position.into();
         let ranges = cluster.runs().flat_map(|(_, _, range)| range.collect::<Vec<usize>>());
-        let corners: Vec<Vec3> = ranges.map(|i| vertex(tree.indices[i])).collect();
+        let corners: Vec<Vec3> = ranges.map(|i| vertex(tree.indices.at(i))).collect();
         corners.chunks_exact(3).map(|t| [t[0], t[1], t[2]]).collect()
     }
 

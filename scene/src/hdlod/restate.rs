@@ -53,7 +53,7 @@
 //! bound for the union of all runs, and delta follows from what is worked out anew.
 
 use super::presence::presence_weight;
-use super::{Hdlod, MAX_STEPS, Node, Temporal};
+use super::{Hdlod, Indices, MAX_STEPS, Node, Temporal};
 use crate::{BehaviourId, ElementId, Scene};
 use rayon::prelude::*;
 use std::collections::{HashMap, HashSet};
@@ -126,9 +126,15 @@ impl Hdlod {
             cluster.eps = if touched { cluster.covered_eps } else { cluster.built_eps };
             let behaviour_of = |built| if stale { built } else { images.only(i, built) };
             let first = cluster.first_index as usize;
-            let indices = &mut self.indices[first..];
             for layer in &mut cluster.layers {
-                let moved = layer.restate(indices, &scene.behaviours, behaviour_of);
+                let moved = match &mut self.indices {
+                    Indices::Short(table) => {
+                        layer.restate(&mut table[first..], &scene.behaviours, behaviour_of)
+                    }
+                    Indices::Long(table) => {
+                        layer.restate(&mut table[first..], &scene.behaviours, behaviour_of)
+                    }
+                };
                 done.dirty.extend(moved.map(|r| first + r.start as usize..first + r.end as usize));
             }
         }

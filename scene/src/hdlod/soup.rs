@@ -53,8 +53,8 @@ pub(crate) fn append_instance(
     // Cofactors: the inverse transpose up to scale, also where the transform flattens.
     let (x, y, z) = (linear.x_axis, linear.y_axis, linear.z_axis);
     let normal_from_mesh = Mat3::from_cols(y.cross(z), z.cross(x), x.cross(y));
-    for (i, triple) in mesh.indices.chunks_exact(3).enumerate() {
-        let vertices = [0, 1, 2].map(|k| mesh.vertices[triple[k] as usize]);
+    for (i, corners) in mesh.triangles().enumerate() {
+        let vertices = corners.map(|index| mesh.vertices[index as usize]);
         out.push(Triangle {
             corners: vertices.map(|v| transform.transform_point3(Vec3::from(v.position))),
             normals: vertices.map(|v| encode_normal(normal_from_mesh * decode_normal(v.normal))),
@@ -125,9 +125,9 @@ impl LayerRuns {
     /// Gives every run the behaviour that its built one has become, and brings the runs into the
     /// order of the rule above, with them their part of `indices`, which starts at the cluster's
     /// first. Returns the range in which indices moved.
-    pub fn restate(
+    pub fn restate<T: Copy>(
         &mut self,
-        indices: &mut [u32],
+        indices: &mut [T],
         behaviours: &[Behaviour],
         now: impl Fn(BehaviourId) -> BehaviourId,
     ) -> Option<Range<u32>> {
@@ -257,22 +257,24 @@ impl Geometry {
 
     /// Appends the triangles again, as they were given.
     pub fn append_triangles(&self, out: &mut Vec<Triangle>) {
-        append_runs(&self.layers, &self.vertices, &self.indices, out);
+        let triangles =
+            |range: Range<usize>| self.indices[range].chunks_exact(3).map(|t| [t[0], t[1], t[2]]);
+        append_runs(&self.layers, &self.vertices, triangles, out);
     }
 }
 
-/// Appends the triangles of runs; `indices` starts at the cluster's first.
-pub(crate) fn append_runs(
+/// Appends the triangles of runs; `triangles` tells those of a range of the cluster's indices.
+pub(crate) fn append_runs<T: Iterator<Item = [u32; 3]>>(
     layers: &[LayerRuns; 2],
     vertices: &[Vertex],
-    indices: &[u32],
+    triangles: impl Fn(Range<usize>) -> T,
     out: &mut Vec<Triangle>,
 ) {
     for (slot, layer) in [Layer::Opaque, Layer::Transparent].into_iter().enumerate() {
         let mut start = layers[slot].start;
         for run in &layers[slot].runs {
-            for triple in indices[start as usize..run.end as usize].chunks_exact(3) {
-                let v = [0, 1, 2].map(|k| vertices[triple[k] as usize]);
+            for corners in triangles(start as usize..run.end as usize) {
+                let v = corners.map(|index| vertices[index as usize]);
                 out.push(Triangle {
                     corners: v.map(|v| Vec3::from(v.position)),
                     normals: v.map(|v| v.normal),

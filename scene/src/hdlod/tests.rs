@@ -166,12 +166,12 @@ fn drawn_at(hdlod: &Hdlod, cluster: &Cluster, scene: &Scene, time: Time) -> Vec<
     let mut out = Vec::new();
     for (_, run, range) in cluster.runs() {
         if scene.behaviours[run.behaviour.index()].at(time) {
-            for triple in hdlod.indices[range].chunks_exact(3) {
-                out.push([0, 1, 2].map(|k| {
-                    let at = (cluster.base_vertex() + triple[k]) as usize;
+            out.extend(hdlod.indices.triangles(range).map(|corners| {
+                corners.map(|index| {
+                    let at = (cluster.base_vertex() + index) as usize;
                     Vec3::from(hdlod.vertices[at].position)
-                }));
-            }
+                })
+            }));
         }
     }
     out
@@ -378,7 +378,7 @@ fn a_far_view_of_many_equal_boxes_draws_a_small_part_of_them_and_only_what_is_th
             .iter()
             .flat_map(|s| {
                 let range = s.first_index as usize..(s.first_index + s.index_count) as usize;
-                hdlod.indices[range].iter().map(|i| (s.base_vertex + i) as usize)
+                hdlod.indices.range(range).map(|i| (s.base_vertex + i) as usize)
             })
             .map(|i| hdlod.vertices[i].position[1])
             .fold(f32::NEG_INFINITY, f32::max);

@@ -54,10 +54,11 @@ impl Hdlod {
         let pairs_known = cluster.pairs.iter().all(|&(a, b)| known(a) && known(b));
         require(pairs_known && !cluster.stale, "what a certificate rests on")?;
         let first = cluster.first_index as usize;
-        let indices = self.indices.get(first..first + end as usize).ok_or("a cluster's indices")?;
+        let range = first..first + end as usize;
+        require(range.end <= self.indices.len(), "a cluster's indices")?;
         let base = cluster.base_vertex as usize;
         let count = self.vertices.len().checked_sub(base).ok_or("a cluster's vertices")?;
-        require(indices.iter().all(|&i| (i as usize) < count), "an index")
+        require(self.indices.range(range).all(|i| (i as usize) < count), "an index")
     }
 
     /// A tree of all clusters and elements: each has at most one parent, children come first.

@@ -128,7 +128,10 @@ proptest! {
 fn check_report(before: &Hdlod, after: &Hdlod, done: &Restated) -> Result<(), TestCaseError> {
     let dirty = |i: usize| done.dirty.iter().any(|r| r.contains(&i));
     for i in 0..before.indices.len() {
-        prop_assert!(before.indices[i] == after.indices[i] || dirty(i), "index {i} is not told");
+        prop_assert!(
+            before.indices.at(i) == after.indices.at(i) || dirty(i),
+            "index {i} is not told"
+        );
     }
     for (i, (was, is)) in (0..).zip(before.clusters.iter().zip(&after.clusters)) {
         prop_assert_eq!(!was.stale && is.stale, done.invalidated.contains(&i));

@@ -150,11 +150,12 @@ fn shape(scene: &Scene, hdlod: &Hdlod) -> Result<(), String> {
             if cluster.stale {
                 continue;
             }
-            let indices = hdlod.indices.get(range).ok_or(format!("cluster {i}: bad range"))?;
-            let vertex = |v: &u32| hdlod.vertices.get((cluster.base_vertex() + v) as usize);
-            let finite =
-                |v: &u32| vertex(v).is_some_and(|v| v.position.iter().all(|x| x.is_finite()));
-            if indices.len() % 3 != 0 || !indices.iter().all(finite) {
+            if range.end > hdlod.indices.len() {
+                return Err(format!("cluster {i}: bad range"));
+            }
+            let vertex = |v: u32| hdlod.vertices.get((cluster.base_vertex() + v) as usize);
+            let finite = |v| vertex(v).is_some_and(|v| v.position.iter().all(|x| x.is_finite()));
+            if range.len() % 3 != 0 || !hdlod.indices.range(range).all(finite) {
                 return Err(format!("cluster {i}: bad vertices"));
             }
             if scene.behaviours.get(run.behaviour.index()).is_none() {
@@ -289,7 +290,7 @@ impl<'a> Check<'a> {
             below = below.union(bounds);
             weight += f64::from(bounds.diameter());
         }
-        let drawn = self.cluster.runs().flat_map(|(_, _, range)| self.hdlod.indices[range].iter());
+        let drawn = self.cluster.runs().flat_map(|(_, _, range)| self.hdlod.indices.range(range));
         let drawn = Aabb::of_points(drawn.map(|i| {
             Vec3::from(self.hdlod.vertices[(cluster.base_vertex() + i) as usize].position)
         }));

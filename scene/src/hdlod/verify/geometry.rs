@@ -11,8 +11,8 @@ pub(super) fn element(scene: &Scene, id: ElementId, out: &mut Vec<Item>) {
     let tag = scene.element_behaviour[id.index()].0;
     for instance in model.instances_of(&model.elements[id.index()]) {
         let mesh = &model.meshes[instance.mesh.index()];
-        for (i, triple) in mesh.indices.chunks_exact(3).enumerate() {
-            let corners = [triple[0], triple[1], triple[2]].map(|v| {
+        for (i, corners) in mesh.triangles().enumerate() {
+            let corners = corners.map(|v| {
                 let position = Vec3::from(mesh.vertices[v as usize].position);
                 instance.world_from_mesh.transform_point3(position)
             });
@@ -24,9 +24,9 @@ pub(super) fn element(scene: &Scene, id: ElementId, out: &mut Vec<Item>) {
 /// Appends the triangles of what is drawn of clusters, tag 0.
 pub(super) fn span(hdlod: &Hdlod, span: &Span, owner: u32, out: &mut Vec<Item>) {
     let from = span.first_index as usize;
-    for triple in hdlod.indices[from..from + span.index_count as usize].chunks_exact(3) {
-        let corners = [triple[0], triple[1], triple[2]]
-            .map(|i| Vec3::from(hdlod.vertices[(span.base_vertex + i) as usize].position));
+    for corners in hdlod.indices.triangles(from..from + span.index_count as usize) {
+        let corners =
+            corners.map(|i| Vec3::from(hdlod.vertices[(span.base_vertex + i) as usize].position));
         out.push(Item { corners, owner, tag: 0, glass: span.layer == Layer::Transparent });
     }
 }

@@ -136,9 +136,8 @@ fn a_range_with_the_wrong_behaviour_is_found() {
     let starts = [runs[1].end, runs[3].end];
     let (low, high) = (runs[2].end - starts[0], runs[4].end - starts[1]);
     let first = cluster.first_index as usize;
-    let mut indices = hdlod.indices[first..first + runs[4].end as usize].to_vec();
+    let indices = &mut swapped.indices.short()[first..first + runs[4].end as usize];
     indices[starts[0] as usize..].rotate_left((runs[3].end - starts[0]) as usize);
-    swapped.indices[first..first + indices.len()].copy_from_slice(&indices);
     for (run, end) in cluster.layers[0].runs[2..5].iter_mut().zip([
         starts[0] + high,
         starts[0] + high + low,
@@ -158,8 +157,8 @@ fn a_range_with_the_wrong_behaviour_is_found() {
     let cluster = &mut dropped.clusters[root];
     let range = cluster.first_index as usize + runs[2].end as usize
         ..cluster.first_index as usize + runs[3].end as usize;
-    let first = dropped.indices[range.start];
-    dropped.indices[range].fill(first);
+    let first = dropped.indices.short()[range.start];
+    dropped.indices.short()[range].fill(first);
     assert!(checked(&scene, &dropped).eps_violations > 0);
 }
 
