@@ -1,6 +1,6 @@
 //! How different two pictures look to a person: NVIDIA's FLIP over the pixels that matter.
 
-use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageRgb8, flip};
+use nv_flip::{DEFAULT_PIXELS_PER_DEGREE, FlipImageFloat, FlipImageRgb8, flip, magma_lut};
 use topout_render::Picture;
 
 /// How much one picture differs from another.
@@ -33,17 +33,22 @@ impl Difference {
     /// # Errors
     /// When the pictures are not of one size.
     pub fn between(reference: &Picture, test: &Picture) -> anyhow::Result<Self> {
-        let size = (reference.width, reference.height);
-        anyhow::ensure!(
-            size == (test.width, test.height),
-            "pictures of {}x{} and {}x{} pixels cannot be compared",
-            size.0,
-            size.1,
-            test.width,
-            test.height
-        );
-        let image = |p: &Picture| FlipImageRgb8::with_data(size.0, size.1, &rgb(p));
-        let map = flip(image(reference), image(test), DEFAULT_PIXELS_PER_DEGREE).to_vec();
+        Ok(Self::of(&map(reference, test)?, reference, test))
+    }
+
+    /// The same, and the difference pixel by pixel as colours, three bytes each: black where there is none,
+    /// over violet and red to a pale yellow.
+    ///
+    /// # Errors
+    /// When the pictures are not of one size.
+    pub fn with_colors(reference: &Picture, test: &Picture) -> anyhow::Result<(Self, Vec<u8>)> {
+        let map = map(reference, test)?;
+        let colors = map.apply_color_lut(&magma_lut()).to_vec();
+        Ok((Self::of(&map, reference, test), colors))
+    }
+
+    fn of(map: &FlipImageFloat, reference: &Picture, test: &Picture) -> Self {
+        let map = map.to_vec();
         let mut sums = [0f64; 2];
         let mut shown = [0u64; 3];
         let masks = mask(reference).zip(mask(test));
@@ -56,12 +61,12 @@ impl Difference {
             shown[1] += u64::from(in_reference);
             shown[2] += u64::from(in_test);
         }
-        Ok(Self {
+        Self {
             mean: (sums[0] / map.len().max(1) as f64) as f32,
             elements: (sums[1] / shown[0].max(1) as f64) as f32,
-            worst_tile: worst_tile(&map, size.0 as usize, Self::TILE as usize),
+            worst_tile: worst_tile(&map, reference.width as usize, Self::TILE as usize),
             coverage_change: relative_change(shown[1], shown[2]),
-        })
+        }
     }
 
     /// The mean of several comparisons, and the worst tile of all; no difference for none.
@@ -74,6 +79,20 @@ impl Difference {
             coverage_change: all.iter().map(|d| d.coverage_change).sum::<f32>() / n,
         }
     }
+}
+
+fn map(reference: &Picture, test: &Picture) -> anyhow::Result<FlipImageFloat> {
+    let size = (reference.width, reference.height);
+    anyhow::ensure!(
+        size == (test.width, test.height),
+        "pictures of {}x{} and {}x{} pixels cannot be compared",
+        size.0,
+        size.1,
+        test.width,
+        test.height
+    );
+    let image = |p: &Picture| FlipImageRgb8::with_data(size.0, size.1, &rgb(p));
+    Ok(flip(image(reference), image(test), DEFAULT_PIXELS_PER_DEGREE))
 }
 
 /// Tiles that would stick out at the right or below are left out: their pixels lie in the tile

@@ -3,6 +3,7 @@
 pub mod bench;
 pub mod cli;
 pub mod flip;
+pub mod ideal;
 pub mod memory;
 pub mod project;
 pub mod report;

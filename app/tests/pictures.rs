@@ -151,3 +151,40 @@ fn a_picture_that_cannot_be_written_is_named() {
     assert_eq!(end.code, 1);
     assert!(end.stderr.contains("/no/such/place/a.png"), "{}", end.stderr);
 }
+
+/// Full detail, the way that is asked for, and the difference, from left to right.
+#[test]
+fn compared_pictures_stand_beside_each_other() {
+    let folder = Folder::new();
+    let project = small_project(&folder);
+    let by = |options: &str| {
+        render(&folder, &project, &format!("--at 2026-03-10 --size 320x180 {options}"))
+    };
+    let part = |all: &RgbImage, at: u32| {
+        assert_eq!(all.dimensions(), (960, 180));
+        image::imageops::crop_imm(all, at * 320, 0, 320, 180).to_image()
+    };
+    let brightest = |picture: &RgbImage| picture.as_raw().iter().copied().max().unwrap();
+    let (report, same) = by("--lod objects --compare");
+    assert_eq!(number(&report, "flip"), 0.0);
+    let batched = by("--lod batched").1;
+    assert!(part(&same, 0) == batched && part(&same, 1) == batched);
+    assert!(brightest(&part(&same, 2)) < 8, "black where nothing differs");
+
+    let files = folder.path("demo");
+    topout(["demo", "-o", &text(&files), "--elements", "1000", "--json", "-"]).good_json();
+    let schedule = text(&files.join("demo.json"));
+    let project = [text(&files.join("demo.glb")), "--schedule".to_owned(), schedule];
+    let by = |options: &str| {
+        let common = "--at 2028-01-01 --size 320x180 --tolerance 8";
+        render(&folder, &project, &format!("{common} {options}"))
+    };
+    let (report, other) = by("--compare");
+    let (alone, coarse) = by("--lod hdlod");
+    assert!(alone["flip"].is_null() && number(&report, "flip") > 0.02);
+    // Clusters of eight pixels are worse than what one sample a pixel costs, but not another picture.
+    let (full, other_ideal) = (number(&report, "flip_full_ideal"), number(&report, "flip_ideal"));
+    assert!(0.01 < full && full < other_ideal && other_ideal < 0.6, "{full} {other_ideal}");
+    assert!(part(&other, 0) != coarse && part(&other, 1) == coarse);
+    assert!(brightest(&part(&other, 2)) > 60);
+}

@@ -239,6 +239,11 @@ pub struct Render {
     #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
     pub sun: Option<Sun>,
 
+    /// Three pictures beside each other: full detail, the way of --lod, and where the two differ to the eye
+    /// (FLIP: black is nowhere, pale is most).
+    #[arg(long)]
+    pub compare: bool,
+
     /// Line the elements of this name, label, guid or kind (IfcSlab), as the window does with what is selected.
     #[arg(long, value_name = "NAME")]
     pub select: Option<String>,

@@ -3,7 +3,8 @@
 use super::stage::{Stage, view};
 use super::{Outcome, args};
 use crate::bench::{mode_name, timed};
-use crate::flip::rgb;
+use crate::flip::{Difference, rgb};
+use crate::ideal::ideal;
 use crate::report::{Output, grouped, rounded};
 use anyhow::Context;
 use serde::Serialize;
@@ -11,7 +12,7 @@ use serde_json::{Map, Value};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use topout_render::{FrameInput, FrameStats, Options, Picture, Renderer};
+use topout_render::{DrawMode, FrameInput, FrameStats, Options, Picture, Renderer};
 use topout_scene::{ElementId, Scene};
 use topout_schedule::Time;
 
@@ -35,8 +36,49 @@ struct Report {
     triangles: u64,
     clusters: u64,
     worst_px: f32,
+    /// With --compare.
+    #[serde(flatten)]
+    flip: Option<Flip>,
     /// Seconds of each step to the first picture, in order.
     phases: Map<String, Value>,
+}
+
+/// Mean FLIP over the pixels that show an element.
+#[derive(Serialize, Debug)]
+struct Flip {
+    /// Between the picture and full detail.
+    flip: f64,
+    /// Between the picture and full detail with many samples a pixel.
+    flip_ideal: Option<f64>,
+    /// Between full detail and the same with many samples a pixel.
+    flip_full_ideal: Option<f64>,
+}
+
+impl Flip {
+    fn of(
+        difference: &Difference,
+        full: &Picture,
+        picture: &Picture,
+        ideal: Option<&Picture>,
+    ) -> anyhow::Result<Self> {
+        let figure = |d: &Difference| rounded(f64::from(d.elements), 4);
+        let against =
+            |test| ideal.map(|ideal| Ok(figure(&Difference::between(ideal, test)?))).transpose();
+        let (flip_ideal, flip_full_ideal): (_, anyhow::Result<_>) =
+            (against(picture), against(full));
+        Ok(Self {
+            flip: figure(difference),
+            flip_ideal: flip_ideal?,
+            flip_full_ideal: flip_full_ideal?,
+        })
+    }
+
+    fn text(&self) -> String {
+        let ideal = self.flip_ideal.zip(self.flip_full_ideal).map(|(picture, full)| {
+            format!("; from many samples a pixel {picture:.3}, full detail {full:.3}")
+        });
+        format!("\n  FLIP     {:.3} from full detail{}", self.flip, ideal.unwrap_or_default())
+    }
 }
 
 /// Colour of the line around what `--select` names: the accent of the window's dark theme.
@@ -65,9 +107,20 @@ pub fn run(args: &args::Render, started: Instant) -> anyhow::Result<Outcome> {
     })?;
     let first_picture = started.elapsed();
     let (frame_ms, stats) = steady_frame(&mut stage.renderer, &input);
-    save(&picture, &args.output)?;
+    let flip = if args.compare {
+        let full = full_detail(&mut stage.renderer, &input)?;
+        let (difference, colors) = Difference::with_colors(&full, &picture)?;
+        let parts = [rgb(&full), rgb(&picture), colors];
+        save(&beside(&parts, picture.width), picture.width * 3, picture.height, &args.output)?;
+        let ideal = ideal(&mut stage.renderer, &input)?;
+        Some(Flip::of(&difference, &full, &picture, ideal.as_ref())?)
+    } else {
+        save(&rgb(&picture), picture.width, picture.height, &args.output)?;
+        None
+    };
     stage.keep_tree();
-    let report = Report::of(&stage, &input, args, first_picture, frame_ms, &stats);
+    let report =
+        Report { flip, ..Report::of(&stage, &input, args, first_picture, frame_ms, &stats) };
     output.say(&report.text());
     output.write(&report)?;
     Ok(Outcome::Fine)
@@ -102,14 +155,26 @@ fn steady_frame(renderer: &mut Renderer, input: &FrameInput) -> (f64, FrameStats
     best.unwrap_or_default()
 }
 
-/// Writes an opaque PNG.
-fn save(picture: &Picture, path: &Path) -> anyhow::Result<()> {
-    let pixels = rgb(picture);
+/// The same with every element that is there.
+fn full_detail(renderer: &mut Renderer, input: &FrameInput) -> anyhow::Result<Picture> {
+    renderer.render(&FrameInput { mode: DrawMode::Batched, ..*input });
+    Ok(renderer.read_back()?)
+}
+
+/// Pictures of one size, of three bytes a pixel, from left to right.
+fn beside(parts: &[Vec<u8>; 3], width: u32) -> Vec<u8> {
+    let row = (width as usize * 3).max(1);
+    let rows = parts[0].chunks(row).zip(parts[1].chunks(row)).zip(parts[2].chunks(row));
+    rows.flat_map(|((a, b), c)| [a, b, c].concat()).collect()
+}
+
+/// Writes an opaque PNG of three bytes a pixel.
+fn save(rgb: &[u8], width: u32, height: u32, path: &Path) -> anyhow::Result<()> {
     image::save_buffer_with_format(
         path,
-        &pixels,
-        picture.width,
-        picture.height,
+        rgb,
+        width,
+        height,
         image::ExtendedColorType::Rgb8,
         image::ImageFormat::Png,
     )
@@ -155,6 +220,7 @@ impl Report {
             triangles: stats.triangles,
             clusters: stats.clusters.into(),
             worst_px: stats.worst_px,
+            flip: None,
             phases: stage.phases.as_json(),
         }
     }
@@ -168,13 +234,14 @@ impl Report {
             ),
             _ => String::new(),
         };
+        let flip = self.flip.as_ref().map(Flip::text).unwrap_or_default();
         let mut phases = String::new();
         for (name, seconds) in &self.phases {
             let _ = write!(phases, "\n    {name:<30}{:>7.2}", seconds.as_f64().unwrap_or_default());
         }
         format!(
             "{file}\n  at       {at}: {elements} elements of {whole} triangles are there\n  \
-             drawn    {triangles} triangles{promise}\n  frame    {frame:.1} ms with {lod} on \
+             drawn    {triangles} triangles{promise}{flip}\n  frame    {frame:.1} ms with {lod} on \
              {adapter}\n  start    {load:.1} s to load, {first:.1} s to the picture{phases}",
             file = self.file,
             at = self.at,
