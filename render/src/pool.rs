@@ -104,7 +104,7 @@ impl Geometry {
         check(labels[1], indices, u64::from(u32::MAX))?;
         let limit = gpu.device.limits().max_storage_buffer_binding_size;
         // Writes and kernels take whole words.
-        let index_bytes = (indices * u64::from(format.byte_size() as u32)).next_multiple_of(4);
+        let index_bytes = (indices * u64::from(format.byte_size())).next_multiple_of(4);
         let readable = vertices * VERTEX_BYTES <= limit && index_bytes <= limit;
         let storage = if readable { BufferUsages::STORAGE } else { BufferUsages::empty() };
         let usage = BufferUsages::COPY_DST | storage;
@@ -124,7 +124,7 @@ impl Geometry {
 
     /// Bits of one index.
     pub fn index_bits(&self) -> u32 {
-        8 * self.format.byte_size() as u32
+        8 * self.format.byte_size()
     }
 
     fn bytes(&self) -> u64 {
