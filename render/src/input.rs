@@ -84,7 +84,7 @@ pub struct FrameInput {
 pub struct FrameStats {
     /// Its number among the frames of its renderer, from 1 on.
     pub frame: u64,
-    /// Milliseconds of choosing what to draw: selection, presence and culling.
+    /// Milliseconds of choosing what to draw: the cut, or presence and frustum.
     pub select_ms: f64,
     /// Milliseconds of writing and encoding commands, on the CPU.
     pub cpu_ms: f64,

@@ -26,7 +26,7 @@ struct Frame {
     half_extent: vec2<f32>,
     // Physical pixels.
     size: vec2<f32>,
-    // Bend of the depth per pixel into a tangent, see post.wgsl.
+    // Bend of the depth per pixel into a tangent, see edges.wgsl.
     bend: f32,
     // Strength of the edge lines, 0 for none.
     edges: f32,
