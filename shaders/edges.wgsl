@@ -1,5 +1,8 @@
 // Thin lines on folds and outlines, out of the depth: a factor that darkens the picture.
 
+// Without the lines; its alpha tells what fades.
+@group(0) @binding(2) var picture: texture_2d<f32>;
+
 fn depth_at(pixel: vec2<i32>) -> f32 {
     let last = vec2<i32>(frame.size) - 1;
     return textureLoad(depth, clamp(pixel, vec2<i32>(0), last), 0);
@@ -16,22 +19,32 @@ fn bend(near: vec2<f32>) -> f32 {
     return select(max(fold, inward), 0.0, thin);
 }
 
-// 0 on even surfaces, towards 1 on folds and outlines. Over a plane the reversed depth is linear
-// in the picture (1 / z in perspective, z in parallel), so whatever bends is an edge; `frame.bend`
-// makes the bend a difference of tangents.
-fn edge(pixel: vec2<i32>) -> f32 {
+// The bends along both axes between a pixel and those so many steps away. Over a plane the reversed depth
+// is linear in the picture (1 / z in perspective, z in parallel), so whatever bends is an edge;
+// `frame.bend` makes the bend a difference of tangents.
+fn bends(pixel: vec2<i32>, m: f32, steps: i32) -> vec2<f32> {
+    let a = depth_at(pixel + vec2<i32>(-steps, 0));
+    let b = depth_at(pixel + vec2<i32>(steps, 0));
+    let c = depth_at(pixel + vec2<i32>(0, -steps));
+    let d = depth_at(pixel + vec2<i32>(0, steps));
+    let tangent = frame.bend / (select(m, 1.0, frame.parallel > 0.5) * f32(steps));
+    return vec2<f32>(bend(vec2<f32>(m - a, m - b) * tangent), bend(vec2<f32>(m - c, m - d) * tangent));
+}
+
+// 0 on even surfaces, towards 1 on folds and outlines. `fading`: neighbours may show two levels of the same
+// thing; pixels two steps apart show the same one, so what is no edge between them is none.
+fn edge(pixel: vec2<i32>, fading: bool) -> f32 {
     let m = depth_at(pixel);
     // Sky, or ground.
     if m <= 1e-20 {
         return 0.0;
     }
-    let a = depth_at(pixel + vec2<i32>(-1, 0));
-    let b = depth_at(pixel + vec2<i32>(1, 0));
-    let c = depth_at(pixel + vec2<i32>(0, -1));
-    let d = depth_at(pixel + vec2<i32>(0, 1));
+    var folds = bends(pixel, m, 1);
+    if fading {
+        folds = min(folds, bends(pixel, m, 2));
+    }
+    let fold = max(folds.x, folds.y);
     let parallel = frame.parallel > 0.5;
-    let tangent = frame.bend / select(m, 1.0, parallel);
-    let fold = max(bend(vec2<f32>(m - a, m - b) * tangent), bend(vec2<f32>(m - c, m - d) * tangent));
     // Where a pixel is large, lines would fill the picture: they fade.
     let pixel_m = select(frame.near / (m * frame.bend), frame.pixel_m, parallel);
     let fine = clamp(0.06 / pixel_m, 0.25, 1.0);
@@ -40,5 +53,12 @@ fn edge(pixel: vec2<i32>) -> f32 {
 
 @fragment
 fn edges_fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    return vec4<f32>(vec3<f32>(1.0 - frame.edges * edge(vec2<i32>(position.xy))), 1.0);
+    return vec4<f32>(vec3<f32>(1.0 - frame.edges * edge(vec2<i32>(position.xy), false)), 1.0);
+}
+
+@fragment
+fn edges_fading_fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let pixel = vec2<i32>(position.xy);
+    let fading = textureLoad(picture, pixel, 0).a < 254.5 / 255.0;
+    return vec4<f32>(vec3<f32>(1.0 - frame.edges * edge(pixel, fading)), 1.0);
 }

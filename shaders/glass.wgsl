@@ -47,8 +47,32 @@ fn lit(placed: Placed, material: u32) -> GlassOut {
     return GlassOut(placed.clip, vec4<f32>(display(color, length(placed.from_eye)), opacity));
 }
 
+fn over(color: vec4<f32>, pixel: vec2<f32>) -> vec4<f32> {
+    let through = textureLoad(behind, vec2<i32>(pixel), 0).rgb;
+    return vec4<f32>(mix(through, color.rgb, color.a), 1.0);
+}
+
 @fragment
 fn glass_fragment(v: GlassOut) -> @location(0) vec4<f32> {
-    let through = textureLoad(behind, vec2<i32>(v.clip.xy), 0).rgb;
-    return vec4<f32>(mix(through, v.color.rgb, v.color.a), 1.0);
+    return over(v.color, v.clip.xy);
+}
+
+struct FadingOut {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) color: vec4<f32>,
+    @location(1) @interpolate(flat) share: u32,
+}
+
+@vertex
+fn glass_fading_vertex(in: VertexIn, @location(5) share: u32) -> FadingOut {
+    let out = lit(place(in), in.packed >> 16u);
+    return FadingOut(out.clip, out.color, share);
+}
+
+@fragment
+fn glass_fading_fragment(v: FadingOut) -> @location(0) vec4<f32> {
+    if !is_shown(v.share, v.clip.xy) {
+        discard;
+    }
+    return vec4<f32>(over(v.color, v.clip.xy).rgb, FADING);
 }

@@ -40,3 +40,23 @@ fn occluder_fixed_vertex(in: FixedIn) -> @builtin(position) vec4<f32> {
 fn solid_fragment(v: SolidOut) -> @location(0) vec4<f32> {
     return vec4<f32>(v.color, 1.0);
 }
+
+struct FadingOut {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) color: vec3<f32>,
+    @location(1) @interpolate(flat) share: u32,
+}
+
+@vertex
+fn solid_fading_vertex(in: VertexIn, @location(5) share: u32) -> FadingOut {
+    let out = lit(place(in), in.packed >> 16u);
+    return FadingOut(out.clip, out.color, share);
+}
+
+@fragment
+fn solid_fading_fragment(v: FadingOut) -> @location(0) vec4<f32> {
+    if !is_shown(v.share, v.clip.xy) {
+        discard;
+    }
+    return vec4<f32>(v.color, FADING);
+}

@@ -3,6 +3,7 @@
 use crate::gpu::Gpu;
 use crate::sun::Sun;
 use crate::timing::{FrameTimings, GpuTimes};
+use std::time::Duration;
 use topout_scene::View;
 use topout_schedule::Time;
 
@@ -57,14 +58,28 @@ pub struct Options {
     /// Whether triangles of clusters that nobody sees are left out, and where that is found out. No
     /// picture depends on it.
     pub occlusion: Occlusion,
+    /// For how long levels that follow each other share the pixels; zero: they follow at once.
+    pub fade: Duration,
 }
 
 impl Options {
+    /// Whether levels share pixels.
+    pub(crate) fn fades(&self) -> bool {
+        !self.fade.is_zero()
+    }
+
     /// What suits the adapter.
     pub fn for_gpu(gpu: &Gpu) -> Self {
         let antialias = if gpu.is_software() { Antialias::Smooth } else { Antialias::Msaa4 };
         let occlusion = if gpu.is_software() { Occlusion::Cpu } else { Occlusion::Gpu };
-        Self { antialias, edges: 0.35, sun: Sun::Fixed, culling: true, occlusion }
+        Self {
+            antialias,
+            edges: 0.35,
+            sun: Sun::Fixed,
+            culling: true,
+            occlusion,
+            fade: Duration::ZERO,
+        }
     }
 }
 
@@ -104,6 +119,9 @@ pub struct FrameStats {
     pub clusters: u32,
     /// Elements drawn exactly.
     pub elements: u32,
+    /// Subtrees in which two levels share the pixels, see [`Options::fade`]: while there are any the next
+    /// picture will be another.
+    pub fading: u32,
     /// Nodes looked at in the selection; elements looked at in the other modes.
     pub visited: u32,
     /// Largest certified error of a drawn cluster, physical pixels.

@@ -6,6 +6,7 @@
 
 mod cull;
 mod draw_list;
+mod fade;
 mod frame;
 mod gpu;
 mod input;

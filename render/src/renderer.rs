@@ -4,7 +4,8 @@ mod draw;
 mod reload;
 
 use crate::cull::Culler;
-use crate::draw_list::DrawList;
+use crate::draw_list::{DrawList, Fading};
+use crate::fade::{self, Fader, Share};
 use crate::frame::{FrameUniform, covered_rectangle};
 use crate::gpu::{Gpu, GpuError};
 use crate::input::{Antialias, DrawMode, FrameInput, FrameStats, Options};
@@ -17,6 +18,8 @@ use crate::timing::{GpuTimer, GpuTimes, Laps, Pass};
 use glam::{DVec3, UVec2, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
+use topout_scene::hdlod::Node;
 use topout_scene::{Aabb, ElementId, Hdlod, Scene, View, hdlod};
 use topout_schedule::Time;
 use wgpu::util::DrawIndexedIndirectArgs as Command;
@@ -34,14 +37,15 @@ struct Passes {
 }
 
 impl Passes {
-    fn new(gpu: &Gpu, bindings: &SceneBindings, antialias: Antialias) -> Self {
+    fn new(gpu: &Gpu, bindings: &SceneBindings, options: Options) -> Self {
+        let (antialias, fades) = (options.antialias, options.fades());
         let samples = if antialias == Antialias::Msaa4 { 4 } else { 1 };
         Self {
-            solid: Solid::new(gpu, bindings, samples),
-            glass: Glass::new(gpu, bindings, samples),
+            solid: Solid::new(gpu, bindings, samples, fades),
+            glass: Glass::new(gpu, bindings, samples, fades),
             sky: Sky::new(gpu, bindings, samples),
             ground: Ground::new(gpu, bindings, samples),
-            edges: Edges::new(gpu, samples),
+            edges: Edges::new(gpu, samples, fades),
             smooth: (antialias == Antialias::Smooth).then(|| Smooth::new(gpu)),
             samples,
         }
@@ -58,9 +62,12 @@ struct PictureGroups {
 
 impl PictureGroups {
     fn new(gpu: &Gpu, passes: &Passes, frame: &wgpu::Buffer, targets: &Targets) -> Self {
+        // What smooths draws into the one beside.
+        let smooths = passes.smooth.is_some();
+        let marked = if smooths { &targets.scene.view } else { &targets.beside.view };
         Self {
             glass: passes.glass.bind(gpu, &targets.beside.view),
-            edges: passes.edges.bind(gpu, frame, &targets.depth.view),
+            edges: passes.edges.bind(gpu, frame, &targets.depth.view, marked),
             smooth: passes.smooth.as_ref().map(|s| s.bind(gpu, frame, &targets.scene.view)),
         }
     }
@@ -95,6 +102,10 @@ pub struct Renderer {
     /// Frames drawn so far.
     frames: u64,
     list: DrawList,
+    fader: Fader,
+    /// [`Share::code`] of everything that may fade.
+    shares: wgpu::Buffer,
+    started: Instant,
     pool: Option<Pool>,
     scene: Option<Arc<Scene>>,
     hdlod: Option<Arc<Hdlod>>,
@@ -112,7 +123,7 @@ impl Renderer {
     pub fn new(gpu: &Gpu) -> Self {
         let options = Options::for_gpu(gpu);
         let bindings = SceneBindings::new(gpu);
-        let passes = Passes::new(gpu, &bindings, options.antialias);
+        let passes = Passes::new(gpu, &bindings, options);
         let usage = wgpu::BufferUsages::COPY_DST;
         let small = |label, bytes, usage| {
             gpu.buffer(label, bytes, usage).expect("a device holds a few small buffers")
@@ -121,6 +132,10 @@ impl Renderer {
         let frame = small("frame", frame_bytes, usage | wgpu::BufferUsages::UNIFORM);
         let empty_materials = small("no materials", 64, usage | wgpu::BufferUsages::STORAGE);
         let commands = small("draw commands", 1 << 16, usage | wgpu::BufferUsages::INDIRECT);
+        let shares =
+            small("shares", u64::from(Share::COUNT) * 4, usage | wgpu::BufferUsages::VERTEX);
+        let codes: Vec<u32> = (0..Share::COUNT).collect();
+        gpu.queue.write_buffer(&shares, 0, bytemuck::cast_slice(&codes));
         let scene_group = bindings.bind(gpu, &frame, &empty_materials);
         let targets = Targets::new(gpu, UVec2::ONE, passes.samples);
         let groups = PictureGroups::new(gpu, &passes, &frame, &targets);
@@ -142,6 +157,9 @@ impl Renderer {
             timer: GpuTimer::new(gpu),
             frames: 0,
             list: DrawList::default(),
+            fader: Fader::default(),
+            shares,
+            started: Instant::now(),
             pool: None,
             scene: None,
             hdlod: None,
@@ -158,13 +176,19 @@ impl Renderer {
 
     /// Changes the settings; builds new pipelines where they need them.
     pub fn set_options(&mut self, options: Options) {
-        if options.antialias != self.options.antialias {
-            self.passes = Passes::new(&self.gpu, &self.bindings, options.antialias);
-            self.new_targets(self.targets.size);
+        let before = self.options;
+        if !options.fades() {
+            self.fader.clear();
         }
-        if (options.antialias, options.occlusion)
-            != (self.options.antialias, self.options.occlusion)
-        {
+        if (options.antialias, options.fades()) != (before.antialias, before.fades()) {
+            self.passes = Passes::new(&self.gpu, &self.bindings, options);
+            if options.antialias != before.antialias {
+                self.new_targets(self.targets.size);
+            } else {
+                self.bind_pictures();
+            }
+        }
+        if (options.antialias, options.occlusion) != (before.antialias, before.occlusion) {
             self.culler = new_culler(&self.gpu, options, self.passes.samples);
         }
         self.options = options;
@@ -293,8 +317,7 @@ impl Renderer {
         stats.frame = self.frames;
         // What is left of the clusters is one draw a layer.
         let packed = if culled { 2 } else { 0 };
-        let commands = self.list.elements.len() + self.list.clusters.len();
-        stats.draws = commands as u64 + packed;
+        stats.draws = self.list.len() as u64 + packed;
         let elements = self.list.elements.triangles();
         if self.cuts(input.mode) {
             let left = self.culler.as_ref().and_then(Culler::left);
@@ -305,8 +328,9 @@ impl Renderer {
         stats
     }
 
-    /// What is shown: `Rgba8Unorm` holding sRGB-encoded colour, opaque (its alpha is at least 254 of
-    /// 255), of the size of the last frame's view. A new texture after every change of that size.
+    /// What is shown: `Rgba8Unorm` holding sRGB-encoded colour, opaque (its alpha is at least 253 of
+    /// 255), of the size of the last frame's view. A new texture after every change of that size, and of
+    /// [`Options::antialias`].
     pub fn color_view(&self) -> &wgpu::TextureView {
         &self.targets.scene.view
     }
@@ -353,6 +377,7 @@ impl Renderer {
             + self.commands.size()
             + self.frame.size()
             + self.empty_materials.size()
+            + self.shares.size()
     }
 
     /// The last picture, after waiting for it.
@@ -362,7 +387,7 @@ impl Renderer {
     pub fn read_back(&mut self) -> Result<Picture, GpuError> {
         let mut rgba = texture_bytes(&self.gpu, &self.targets.scene.texture)?;
         for pixel in rgba.chunks_exact_mut(4) {
-            pixel[3] = if pixel[3] == 255 { 255 } else { 0 };
+            pixel[3] = if pixel[3] == 254 { 0 } else { 255 };
         }
         let size = self.targets.size;
         Ok(Picture { width: size.x, height: size.y, rgba })
@@ -371,6 +396,10 @@ impl Renderer {
     fn new_targets(&mut self, size: UVec2) {
         self.selection.forget_targets();
         self.targets = Targets::new(&self.gpu, size, self.passes.samples);
+        self.bind_pictures();
+    }
+
+    fn bind_pictures(&mut self) {
         self.groups = PictureGroups::new(&self.gpu, &self.passes, &self.frame, &self.targets);
     }
 
@@ -391,7 +420,14 @@ impl Renderer {
         };
         match (&self.hdlod, mode) {
             (Some(tree), DrawMode::Hdlod) => {
-                let mut selection = hdlod::select(scene, tree, view, time);
+                let mut selection = if self.options.fades() {
+                    let frame = Fading { scene, tree, view, time };
+                    let (now, length) = (self.started.elapsed(), self.options.fade);
+                    fading_cut(&mut self.list, &mut self.fader, &frame, tree, pool, now, length)
+                } else {
+                    hdlod::select(scene, tree, view, time)
+                };
+                stats.fading = self.fader.count();
                 self.list.visible.append(&mut selection.elements);
                 let geometry = pool.clusters.as_ref();
                 match self.culler.as_mut().filter(|c| geometry.is_some_and(|g| c.suits(g))) {
@@ -404,6 +440,7 @@ impl Renderer {
                 stats.worst_px = selection.worst_px;
             }
             _ => {
+                self.fader.clear();
                 self.list.gather_visible(scene, view, time, self.options.culling);
                 stats.visited = scene.model.elements.len() as u32;
             }
@@ -440,7 +477,7 @@ impl Renderer {
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         // Only where the scene can be is there anything to smooth or to line.
-        let anything = self.list.elements.len() + self.list.clusters.len() > 0 || culled;
+        let anything = self.list.len() > 0 || culled;
         let finish = covered
             .filter(|_| anything && (self.passes.smooth.is_some() || self.options.edges > 0.0));
         let from_above = uniform.sees_ground_from_above();
@@ -523,6 +560,27 @@ impl Renderer {
         }
         Some(offsets)
     }
+}
+
+/// The cut of a frame, less what fades, which is brought into the list.
+fn fading_cut(
+    list: &mut DrawList,
+    fader: &mut Fader,
+    frame: &Fading<'_>,
+    tree: &Arc<Hdlod>,
+    pool: &Pool,
+    now: Duration,
+    length: Duration,
+) -> hdlod::Selection {
+    let view = View { tolerance_px: frame.view.tolerance_px * fade::TOLERANCE, ..*frame.view };
+    let mut selection = hdlod::select(frame.scene, tree, &view, frame.time);
+    let clusters = selection.drawn.iter().map(|drawn| Node::Cluster(drawn.cluster));
+    let cut = clusters.chain(selection.elements.iter().map(|&id| Node::Leaf(id))).collect();
+    fader.step(tree, cut, now.as_secs_f64(), length.as_secs_f64());
+    if fader.is_active() {
+        list.take_fading(fader, frame, pool, &mut selection);
+    }
+    selection
 }
 
 /// `None` also where there is no room for it.

@@ -1,26 +1,14 @@
 //! Leaving out what nobody sees changes no picture, whatever was drawn before.
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
+use common::{renderer, small_demo};
 use glam::{UVec2, Vec3};
 use std::sync::Arc;
-use topout_render::{Antialias, DrawMode, FrameInput, Gpu, Occlusion, Options, Picture, Renderer};
+use topout_render::{Antialias, DrawMode, FrameInput, Occlusion, Options, Picture, Renderer};
 use topout_scene::hdlod::Indices;
-use topout_scene::{Hdlod, Mesh, Model, Progress, Projection, Scene, View, demo, hdlod, link};
-
-fn small_demo() -> (Arc<Scene>, Arc<Hdlod>) {
-    let settings = demo::DemoSettings::for_elements(3000);
-    let (model, schedule) = demo::generate(&settings, &Progress::default()).unwrap();
-    let scene = link::link(model, schedule);
-    let tree = hdlod::build(&scene, &hdlod::Settings::default(), &Progress::default()).unwrap();
-    (Arc::new(scene), Arc::new(tree))
-}
-
-fn renderer(scene: &Arc<Scene>, tree: &Arc<Hdlod>) -> Renderer {
-    let mut r = Renderer::new(&Gpu::headless().unwrap());
-    r.set_scene(scene).unwrap();
-    r.set_hdlod(tree).unwrap();
-    r
-}
+use topout_scene::{Hdlod, Mesh, Model, Projection, Scene, View};
 
 /// A way round the site: small steps and jumps of camera and date, both projections, from far, from the
 /// street, from inside and with clusters much coarser than a pixel.
@@ -64,7 +52,7 @@ fn pictures(r: &mut Renderer, options: Options, frames: &[FrameInput]) -> Vec<Pi
 
 #[test]
 fn what_is_left_out_is_never_seen() {
-    let (scene, tree) = small_demo();
+    let (scene, tree) = small_demo(3000);
     let mut r = renderer(&scene, &tree);
     let frames = journey(&scene);
     for antialias in [Antialias::Smooth, Antialias::Msaa4] {
@@ -85,7 +73,7 @@ fn what_is_left_out_is_never_seen() {
 /// Big meshes need indices of 32 bits, and so does a tree with big clusters.
 #[test]
 fn wide_indices_draw_the_same() {
-    let (scene, tree) = small_demo();
+    let (scene, tree) = small_demo(3000);
     let mut model = Model::clone(&scene.model);
     let vertices = vec![model.meshes[0].vertices[0]; 1 << 16];
     model.meshes.push(Mesh { vertices, ..model.meshes[0].clone() });
@@ -108,7 +96,7 @@ fn wide_indices_draw_the_same() {
 /// that follow.
 #[test]
 fn much_is_left_out() {
-    let (scene, tree) = small_demo();
+    let (scene, tree) = small_demo(3000);
     let mut r = renderer(&scene, &tree);
     let view = View::fit(&scene.focus_bounds(), 30.0, 20.0, 2.0, UVec2::new(640, 400));
     let time = scene.schedule.period.end.plus_seconds(-1);
@@ -129,7 +117,7 @@ fn much_is_left_out() {
 /// Most of the elements that are drawn exactly are left out where walls and slabs hide them.
 #[test]
 fn elements_behind_walls_are_left_out() {
-    let (scene, tree) = small_demo();
+    let (scene, tree) = small_demo(3000);
     let mut r = renderer(&scene, &tree);
     let bounds = scene.focus_bounds();
     let time = scene.schedule.period.end.plus_seconds(-1);

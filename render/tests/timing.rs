@@ -1,20 +1,14 @@
 //! Every part of a frame that ran is timed, and no other.
 #![allow(clippy::unwrap_used)]
 
+mod common;
+
+use common::small_demo;
 use glam::UVec2;
-use std::sync::Arc;
 use topout_render::{
     Antialias, DrawMode, FrameInput, FrameStats, Gpu, Occlusion, Options, Pass, Renderer,
 };
-use topout_scene::{Hdlod, Progress, Scene, View, demo, hdlod, link};
-
-fn small_demo() -> (Arc<Scene>, Arc<Hdlod>) {
-    let settings = demo::DemoSettings::for_elements(1000);
-    let (model, schedule) = demo::generate(&settings, &Progress::default()).unwrap();
-    let scene = link::link(model, schedule);
-    let tree = hdlod::build(&scene, &hdlod::Settings::default(), &Progress::default()).unwrap();
-    (Arc::new(scene), Arc::new(tree))
-}
+use topout_scene::{Scene, View};
 
 fn input(scene: &Scene, mode: DrawMode) -> FrameInput {
     let view = View::fit(&scene.focus_bounds(), 30.0, 20.0, 2.0, UVec2::new(320, 200));
@@ -30,7 +24,7 @@ fn ran(stats: &FrameStats, gpu: bool) -> Vec<Pass> {
 #[test]
 fn passes_that_ran_have_times_and_no_others() {
     use Pass::*;
-    let (scene, tree) = small_demo();
+    let (scene, tree) = small_demo(1000);
     let gpu = Gpu::headless().unwrap();
     let copies = gpu.device.features().contains(wgpu::Features::TIMESTAMP_QUERY_INSIDE_ENCODERS);
     let mut r = Renderer::new(&gpu);
@@ -89,7 +83,7 @@ fn passes_that_ran_have_times_and_no_others() {
 /// Frames that are not waited for each get their own times, those of frames too many get none.
 #[test]
 fn times_find_their_frame() {
-    let (scene, _) = small_demo();
+    let (scene, _) = small_demo(1000);
     let mut r = Renderer::new(&Gpu::headless().unwrap());
     r.set_scene(&scene).unwrap();
     let input = input(&scene, DrawMode::Batched);

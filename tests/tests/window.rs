@@ -367,6 +367,34 @@ fn coloring_by_level_changes_the_picture_alone_and_can_be_taken_back() {
     assert!(plain == picture(&mut harness), "nothing of them is left");
 }
 
+/// While levels fade frame follows frame; in the end the picture is that of the cut for 0.8 of the tolerance.
+#[test]
+fn levels_fade_until_the_new_ones_are_there() {
+    let mut harness = open();
+    apply(&mut harness, Command::Toggle(Panel::Figures));
+    apply(&mut harness, Command::SetTolerance(4.0));
+    let near = state(&harness).camera;
+    let middle = scene().focus_bounds().center();
+    let mut far = near;
+    far.eye = middle + (near.eye - middle) * 1.7;
+    let moved = |harness: &mut Harness<'_, Window>, camera| {
+        apply_now(harness, Command::MoveCamera(camera));
+        harness.step();
+        let fading = state(harness).frames.last().unwrap().fading;
+        settle(harness);
+        fading
+    };
+    assert_eq!(moved(&mut harness, far), 0, "off on software adapters");
+    apply(&mut harness, Command::ToggleFade);
+    moved(&mut harness, near);
+    assert!(moved(&mut harness, far) > 0);
+    assert_eq!(state(&harness).frames.last().unwrap().fading, 0);
+    let faded = picture(&mut harness);
+    apply(&mut harness, Command::ToggleFade);
+    apply(&mut harness, Command::SetTolerance(3.2));
+    assert!(faded == picture(&mut harness));
+}
+
 #[test]
 fn what_cannot_be_opened_is_named_and_the_project_stays() {
     let mut harness = open();

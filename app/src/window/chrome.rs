@@ -33,6 +33,7 @@ const MENUS: [(&str, &[&str]); 5] = [
             "Frame figures",
             "Frame times",
             "Color by level",
+            "Fade between levels",
             "Sun…",
             "Dark or light",
         ],
@@ -102,6 +103,7 @@ fn is_on(state: &AppState, command: &Command) -> bool {
     match command {
         Command::SetMode(mode) => state.mode == *mode,
         Command::ToggleLevelColors => state.level_colors,
+        Command::ToggleFade => state.fade,
         Command::Toggle(Panel::Inspector) => state.panels.inspector,
         Command::Toggle(Panel::Timeline) => state.panels.timeline,
         Command::Toggle(Panel::Figures) => state.panels.figures,

@@ -80,6 +80,8 @@ pub enum Command {
     SetTolerance(f32),
     /// Colour clusters by their level, or not.
     ToggleLevelColors,
+    /// Let levels that follow each other fade into each other, or not.
+    ToggleFade,
     /// Where the light comes from.
     SetSun(Sun),
     /// Build or refine the tree again after that was cancelled.
@@ -209,6 +211,7 @@ pub fn actions() -> Vec<Action> {
         action(C::Toggle(Panel::Sun), "Sun…", None),
         action(C::Toggle(Panel::Diagnostics), "Diagnostics", Some(S::key(Key::D))),
         action(C::ToggleLevelColors, "Color by level", Some(S::key(Key::C))),
+        action(C::ToggleFade, "Fade between levels", None),
         action(C::ToggleScheme, "Dark or light", Some(S::key(Key::L))),
         action(C::TogglePlay, "Play or pause", Some(S::key(Key::Space))),
         step(1, "Day forward", S::key(Key::ArrowRight)),

@@ -106,10 +106,12 @@ impl Window {
         theme::install(&context.egui_ctx);
         let ctx = context.egui_ctx.clone();
         let mut state = AppState::new(Arc::new(move || ctx.request_repaint()));
+        let viewport = Viewport::new(device);
+        state.fade = viewport.suits_fading();
         if let Some(request) = request {
             state.apply(Command::Load(request));
         }
-        Ok(Self { state, viewport: Viewport::new(device) })
+        Ok(Self { state, viewport })
     }
 
     /// What is shown.
@@ -117,10 +119,10 @@ impl Window {
         &self.state
     }
 
-    /// Whether what is shown will change without the user: a thread is at work, or the GPU has not told
-    /// what a frame took.
+    /// Whether what is shown will change without the user: a thread is at work, levels fade into each other,
+    /// or the GPU has not told what a frame took.
     pub fn is_busy(&self) -> bool {
-        self.state.is_busy() || self.viewport.expects_gpu_times()
+        self.state.is_busy() || self.viewport.is_fading() || self.viewport.expects_gpu_times()
     }
 
     /// For driving the window from a program.
@@ -205,7 +207,7 @@ impl eframe::App for Window {
             self.state.apply(command);
         }
         self.take_effects(&ctx);
-        if changed || self.state.playing {
+        if changed || self.state.playing || self.viewport.is_fading() {
             // The panels were drawn before the change.
             ctx.request_repaint();
         } else if self.is_busy() {

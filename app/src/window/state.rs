@@ -158,6 +158,8 @@ pub struct AppState {
     pub level_colors: bool,
     /// Where the light comes from.
     pub sun: Sun,
+    /// Whether levels fade into each other.
+    pub fade: bool,
     /// The selected element.
     pub selected: Option<ElementId>,
 
@@ -202,6 +204,7 @@ impl AppState {
             tolerance_px: 1.0,
             level_colors: false,
             sun: Sun::Fixed,
+            fade: false,
             selected: None,
             frames: FrameLog::default(),
             panels: Panels::default(),
@@ -286,6 +289,7 @@ impl AppState {
                 }
             }
             Command::ToggleLevelColors => self.level_colors = !self.level_colors,
+            Command::ToggleFade => self.fade = !self.fade,
             Command::SetSun(sun) => self.sun = sun,
             Command::BuildHdlod if matches!(self.tree, Tree::Ready(_)) => self.refine(),
             Command::BuildHdlod => self.build_tree(),

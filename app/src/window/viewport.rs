@@ -11,9 +11,12 @@ use egui::{Color32, PointerButton, Pos2, Rect, Sense, Stroke, TextureId, Ui};
 use egui_wgpu::RenderState;
 use glam::{UVec2, Vec2, Vec3};
 use std::sync::Arc;
+use std::time::Duration;
 use topout_render::{FrameInput, Gpu, GpuError, Options, Renderer};
 use topout_scene::{Aabb, ElementId, Hdlod, Scene, hdlod};
 
+/// For how long levels that follow each other share the pixels, where they do.
+const FADE: Duration = Duration::from_millis(200);
 /// Nearer (below 1) per notch of a mouse wheel.
 const ZOOM_PER_NOTCH: f32 = 0.82;
 /// Scrolled points that count as one notch, on devices that scroll by points.
@@ -28,6 +31,8 @@ pub struct Viewport {
     tree: Option<Arc<Hdlod>>,
     /// What is uploaded has the colours of levels.
     level_colors: bool,
+    /// Whether the next picture will be another.
+    fading: bool,
     drawn: Option<(FrameInput, Marked)>,
     gesture: Option<Gesture>,
     /// The shaders' files are looked at, and when that was done last.
@@ -68,11 +73,22 @@ impl Viewport {
             scene: None,
             tree: None,
             level_colors: false,
+            fading: false,
             drawn: None,
             gesture: None,
             #[cfg(debug_assertions)]
             shaders: (topout_render::ShaderFolder::of_source(), std::time::Instant::now()),
         }
+    }
+
+    /// Whether levels share pixels: the next picture will be another.
+    pub fn is_fading(&self) -> bool {
+        self.fading
+    }
+
+    /// Whether the adapter draws two levels at once as easily as one.
+    pub fn suits_fading(&self) -> bool {
+        self.window.adapter.get_info().device_type != wgpu::DeviceType::Cpu
     }
 
     /// Whether a figure is still missing that a later look will bring.
@@ -265,8 +281,10 @@ impl Viewport {
             mode: state.effective_mode(),
         };
         state.frames.add_gpu_times(&self.renderer.take_gpu_times());
-        let options = Options { sun: state.sun, ..self.renderer.options() };
-        if self.drawn == Some((input, marked)) && options == self.renderer.options() {
+        let fade = if state.fade { FADE } else { Duration::ZERO };
+        let options = Options { sun: state.sun, fade, ..self.renderer.options() };
+        let same = self.drawn == Some((input, marked)) && options == self.renderer.options();
+        if same && !self.fading {
             return;
         }
         self.renderer.set_options(options);
@@ -276,6 +294,7 @@ impl Viewport {
         }
         let stats = self.renderer.render(&input);
         state.frames.show(stats, self.renderer.has_timestamps());
+        self.fading = stats.fading > 0;
         self.drawn = Some((input, marked));
         let mut egui_renderer = self.window.renderer.write();
         let (view, filter) = (self.renderer.color_view(), wgpu::FilterMode::Nearest);

@@ -24,6 +24,8 @@ pub(super) const SHADER_MANY: Shader = shader!(
 pub(crate) struct Edges {
     layout: wgpu::BindGroupLayout,
     pipeline: wgpu::RenderPipeline,
+    /// For frames in which something fades.
+    fading: Option<wgpu::RenderPipeline>,
 }
 
 /// The picture times the shader's factor; its alpha stays.
@@ -43,31 +45,38 @@ const BLEND: wgpu::BlendState = wgpu::BlendState {
 impl Edges {
     /// `samples` of the depth. With one, the depth test leaves out all pixels without anything
     /// solid; with more, depth and shown picture cannot be attached together.
-    pub fn new(gpu: &Gpu, samples: u32) -> Self {
+    pub fn new(gpu: &Gpu, samples: u32, fades: bool) -> Self {
         let fragment = wgpu::ShaderStages::FRAGMENT;
         let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("edges"),
             entries: &[
                 buffer_entry(0, fragment, wgpu::BufferBindingType::Uniform),
                 texture_entry(1, wgpu::TextureSampleType::Depth, samples > 1),
+                texture_entry(2, wgpu::TextureSampleType::Float { filterable: false }, false),
             ],
         });
-        let pipeline = ScreenPipeline {
-            label: "edges",
-            shader: if samples > 1 { SHADER_MANY } else { SHADER_ONE },
-            fragment: "edges_fragment",
-            blend: Some(BLEND),
-            depth: (samples == 1).then_some(wgpu::CompareFunction::Less),
-        }
-        .build(gpu, &layout);
-        Self { layout, pipeline }
+        let build = |fragment| {
+            ScreenPipeline {
+                label: "edges",
+                shader: if samples > 1 { SHADER_MANY } else { SHADER_ONE },
+                fragment,
+                blend: Some(BLEND),
+                depth: (samples == 1).then_some(wgpu::CompareFunction::Less),
+            }
+            .build(gpu, &layout)
+        };
+        let pipeline = build("edges_fragment");
+        let fading = fades.then(|| build("edges_fading_fragment"));
+        Self { layout, pipeline, fading }
     }
 
+    /// `picture`: what it is drawn over, or a copy; read only where something fades.
     pub fn bind(
         &self,
         gpu: &Gpu,
         frame: &wgpu::Buffer,
         depth: &wgpu::TextureView,
+        picture: &wgpu::TextureView,
     ) -> wgpu::BindGroup {
         gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
             label: Some("edges"),
@@ -78,12 +87,18 @@ impl Edges {
                     binding: 1,
                     resource: wgpu::BindingResource::TextureView(depth),
                 },
+                wgpu::BindGroupEntry {
+                    binding: 2,
+                    resource: wgpu::BindingResource::TextureView(picture),
+                },
             ],
         })
     }
 
-    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, bindings: &wgpu::BindGroup) {
-        pass.set_pipeline(&self.pipeline);
+    /// `fading`: whether something fades.
+    pub fn draw(&self, pass: &mut wgpu::RenderPass<'_>, bindings: &wgpu::BindGroup, fading: bool) {
+        let other = self.fading.as_ref().filter(|_| fading);
+        pass.set_pipeline(other.unwrap_or(&self.pipeline));
         pass.set_bind_group(0, bindings, &[]);
         pass.draw(0..3, 0..1);
     }

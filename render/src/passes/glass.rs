@@ -9,6 +9,7 @@ pub(super) const SHADER: Shader = shader!(
     "common/frame.wgsl",
     "common/light.wgsl",
     "common/instance.wgsl",
+    "common/fade.wgsl",
     "glass.wgsl",
 );
 
@@ -21,11 +22,14 @@ pub(crate) struct Glass {
     pub placed: wgpu::RenderPipeline,
     /// Of geometry that is where it belongs.
     pub fixed: wgpu::RenderPipeline,
+    /// Of placed geometry that fades.
+    pub fading: Option<wgpu::RenderPipeline>,
     layout: wgpu::BindGroupLayout,
 }
 
 impl Glass {
-    pub fn new(gpu: &Gpu, bindings: &SceneBindings, samples: u32) -> Self {
+    /// `fades`: whether anything may fade.
+    pub fn new(gpu: &Gpu, bindings: &SceneBindings, samples: u32, fades: bool) -> Self {
         let float = wgpu::TextureSampleType::Float { filterable: false };
         let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
             label: Some("glass"),
@@ -36,12 +40,12 @@ impl Glass {
             bind_group_layouts: &[Some(&bindings.layout), Some(&layout)],
             immediate_size: 0,
         });
-        let build = |vertex, vertices| {
+        let build = |vertex, fragment, vertices| {
             ScenePipeline {
                 label: "glass",
                 shader: SHADER,
                 vertex,
-                fragment: Some("glass_fragment"),
+                fragment: Some(fragment),
                 vertices,
                 topology: wgpu::PrimitiveTopology::TriangleList,
                 write_depth: true,
@@ -50,8 +54,10 @@ impl Glass {
             .build(gpu, &pipelines, samples)
         };
         Self {
-            placed: build("glass_vertex", Vertices::Placed),
-            fixed: build("glass_fixed_vertex", Vertices::Fixed),
+            placed: build("glass_vertex", "glass_fragment", Vertices::Placed),
+            fixed: build("glass_fixed_vertex", "glass_fragment", Vertices::Fixed),
+            fading: fades
+                .then(|| build("glass_fading_vertex", "glass_fading_fragment", Vertices::Fading)),
             layout,
         }
     }

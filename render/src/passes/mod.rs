@@ -20,8 +20,8 @@ use crate::gpu::Gpu;
 use crate::pool::{INSTANCE_BYTES, VERTEX_BYTES};
 use crate::shader::Shader;
 
-/// What the scene is drawn into: gamma-encoded colour; alpha is 255 of 255 where an element is, 254
-/// where none is.
+/// What the scene is drawn into: gamma-encoded colour; alpha is 255 of 255 where an element is, 253
+/// where one that fades is, 254 where none is.
 pub(crate) const SCENE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
 /// Reversed: 1 near, 0 infinitely far.
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -128,11 +128,13 @@ pub(crate) fn texture_entry(
 
 pub(crate) const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 2] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32];
+const SHARE_ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![5 => Uint32];
 pub(crate) const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
     wgpu::vertex_attr_array![2 => Float32x4, 3 => Float32x4, 4 => Float32x4];
 
-/// The pool's vertices and instances.
-fn vertex_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 2] {
+/// The pool's vertices and instances, and a share of the pixels ([`crate::fade::Share::code`]) that holds for
+/// all.
+fn vertex_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 3] {
     [
         Some(wgpu::VertexBufferLayout {
             array_stride: VERTEX_BYTES,
@@ -144,6 +146,11 @@ fn vertex_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 2] {
             step_mode: wgpu::VertexStepMode::Instance,
             attributes: &INSTANCE_ATTRIBUTES,
         }),
+        Some(wgpu::VertexBufferLayout {
+            array_stride: 0,
+            step_mode: wgpu::VertexStepMode::Instance,
+            attributes: &SHARE_ATTRIBUTES,
+        }),
     ]
 }
 
@@ -154,6 +161,8 @@ enum Vertices {
     None,
     /// The pool, placed by its instances.
     Placed,
+    /// The same, with their share of the pixels.
+    Fading,
     /// The pool, where they already are where they belong.
     Fixed,
 }
@@ -194,7 +203,8 @@ impl ScenePipeline<'_> {
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 buffers: match self.vertices {
                     Vertices::None => &[],
-                    Vertices::Placed => &pool,
+                    Vertices::Placed => &pool[..2],
+                    Vertices::Fading => &pool,
                     Vertices::Fixed => &pool[..1],
                 },
             },

@@ -106,7 +106,7 @@ fn mask_pipeline(gpu: &Gpu, layout: &wgpu::BindGroupLayout, samples: u32) -> wgp
             module: &module,
             entry_point: Some("mask_vertex"),
             compilation_options: wgpu::PipelineCompilationOptions::default(),
-            buffers: &vertex_buffers(),
+            buffers: &vertex_buffers()[..2],
         },
         primitive: wgpu::PrimitiveState::default(),
         depth_stencil: None,

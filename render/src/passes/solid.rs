@@ -9,6 +9,7 @@ pub(super) const SHADER: Shader = shader!(
     "common/frame.wgsl",
     "common/light.wgsl",
     "common/instance.wgsl",
+    "common/fade.wgsl",
     "solid.wgsl",
 );
 
@@ -22,10 +23,13 @@ pub(crate) struct Solid {
     /// The two with depth alone.
     pub occluder_placed: wgpu::RenderPipeline,
     pub occluder_fixed: wgpu::RenderPipeline,
+    /// Of placed geometry that fades.
+    pub fading: Option<wgpu::RenderPipeline>,
 }
 
 impl Solid {
-    pub fn new(gpu: &Gpu, bindings: &SceneBindings, samples: u32) -> Self {
+    /// `fades`: whether anything may fade.
+    pub fn new(gpu: &Gpu, bindings: &SceneBindings, samples: u32, fades: bool) -> Self {
         let build = |vertex, fragment, vertices| {
             ScenePipeline {
                 label: "solid",
@@ -45,6 +49,9 @@ impl Solid {
             fixed: build("solid_fixed_vertex", fragment, Vertices::Fixed),
             occluder_placed: build("occluder_vertex", None, Vertices::Placed),
             occluder_fixed: build("occluder_fixed_vertex", None, Vertices::Fixed),
+            fading: fades.then(|| {
+                build("solid_fading_vertex", Some("solid_fading_fragment"), Vertices::Fading)
+            }),
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{CommandOffsets, Renderer};
 use crate::cull::{self, Culler};
+use crate::draw_list::Commands;
 use crate::frame::FrameUniform;
 use crate::input::DrawMode;
 use crate::pool::{Geometry, INSTANCE_BYTES, Pool, VERTEX_BYTES};
@@ -37,6 +38,7 @@ impl Renderer {
                 pass.set_pipeline(&self.passes.solid.fixed);
                 self.draw_left(&mut pass, Layer::Opaque);
             }
+            self.draw_fading(&mut pass, pool, self.passes.solid.fading.as_ref(), Layer::Opaque);
         }
         if ground {
             self.passes.ground.draw(&mut pass);
@@ -48,7 +50,13 @@ impl Renderer {
     pub(super) fn has_glass(&self, culled: bool) -> bool {
         let list = &self.list;
         let listed = !list.elements.transparent.is_empty() || !list.clusters.transparent.is_empty();
-        listed || (culled && self.culler.as_ref().is_some_and(Culler::has_glass))
+        let fading = |commands: &Commands| {
+            let Commands { elements, clusters } = commands;
+            !elements.transparent.is_empty() || !clusters.transparent.is_empty()
+        };
+        listed
+            || list.fading.iter().any(fading)
+            || (culled && self.culler.as_ref().is_some_and(Culler::has_glass))
     }
 
     /// Draws the transparent layer over a copy of the part of the picture where it can be, given as x,
@@ -80,6 +88,26 @@ impl Renderer {
         if culled {
             pass.set_pipeline(&self.passes.glass.fixed);
             self.draw_left(&mut pass, Layer::Transparent);
+        }
+        self.draw_fading(&mut pass, pool, self.passes.glass.fading.as_ref(), Layer::Transparent);
+    }
+
+    /// What fades of a layer.
+    fn draw_fading(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        pool: &Pool,
+        pipeline: Option<&wgpu::RenderPipeline>,
+        layer: Layer,
+    ) {
+        let Some(pipeline) = pipeline.filter(|_| self.fader.is_active()) else { return };
+        pass.set_pipeline(pipeline);
+        for (code, commands) in (0u64..).zip(&self.list.fading) {
+            pass.set_vertex_buffer(2, self.shares.slice(code * 4..code * 4 + 4));
+            self.draw_batch(pass, pool, &pool.scene, commands.elements.of(layer), None);
+            if let Some(geometry) = &pool.clusters {
+                self.draw_batch(pass, pool, geometry, commands.clusters.of(layer), None);
+            }
         }
     }
 
@@ -251,6 +279,11 @@ impl Renderer {
     /// write where it reads, so it works beside the picture, and the part is copied back.
     pub(super) fn draw_finish(&self, encoder: &mut wgpu::CommandEncoder, rectangle: [u32; 4]) {
         let smooths = self.passes.smooth.is_some();
+        let fading = self.fader.is_active();
+        if fading && !smooths {
+            // Nothing reads what it draws into.
+            copy_part(encoder, &self.targets.scene, &self.targets.beside, rectangle);
+        }
         let target = if smooths { &self.targets.beside } else { &self.targets.scene };
         let depth = (self.passes.samples == 1).then_some(wgpu::RenderPassDepthStencilAttachment {
             view: &self.targets.depth.view,
@@ -276,7 +309,7 @@ impl Renderer {
             smooth.draw(&mut pass, group);
         }
         if self.options.edges > 0.0 {
-            self.passes.edges.draw(&mut pass, &self.groups.edges);
+            self.passes.edges.draw(&mut pass, &self.groups.edges, fading);
         }
         drop(pass);
         if smooths {

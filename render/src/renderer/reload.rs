@@ -1,6 +1,6 @@
 //! Other shaders for a renderer that is at work.
 
-use super::{Passes, PictureGroups, Renderer, new_culler};
+use super::{Passes, Renderer, new_culler};
 use crate::cull::Culler;
 use crate::gpu::Gpu;
 use crate::input::FrameInput;
@@ -24,7 +24,7 @@ impl Renderer {
         };
         let gpu = Gpu { shaders: folder.read()?, ..self.gpu.clone() };
         let scope = device.push_error_scope(wgpu::ErrorFilter::Validation);
-        let passes = Passes::new(&gpu, &self.bindings, self.options.antialias);
+        let passes = Passes::new(&gpu, &self.bindings, self.options);
         let culler = new_culler(&gpu, self.options, passes.samples);
         check(scope)?;
 
@@ -43,7 +43,7 @@ impl Renderer {
         std::mem::swap(&mut self.passes, passes);
         std::mem::swap(&mut self.culler, culler);
         self.selection.forget_targets();
-        self.groups = PictureGroups::new(&self.gpu, &self.passes, &self.frame, &self.targets);
+        self.bind_pictures();
     }
 }
 

@@ -54,7 +54,7 @@ pub use indices::Indices;
 pub use paint::color_by_level;
 pub use palette::blends;
 pub use report::LevelReport;
-pub use restate::{OtherScene, Pair, Restated};
+pub use restate::{OtherScene, Pair, Parents, Restated};
 pub use select::{delta_m, draws_part, select};
 pub use soup::Run;
 
@@ -102,7 +102,7 @@ pub struct Settings {
 }
 
 /// A node of the tree.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
 pub enum Node {
     /// An element, drawn exactly.
     Leaf(ElementId),
@@ -298,6 +298,15 @@ pub struct Span {
     pub layer: Layer,
 }
 
+/// A cluster of a cut.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Drawn {
+    /// Its place in [`Hdlod::clusters`].
+    pub cluster: u32,
+    /// What it draws, a range of [`Selection::spans`]: nothing, where all that it could is absent.
+    pub spans: Range<usize>,
+}
+
 /// What to draw: a value, the result of [`select`].
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Selection {
@@ -305,7 +314,9 @@ pub struct Selection {
     pub elements: Vec<ElementId>,
     /// Parts of clusters to draw.
     pub spans: Vec<Span>,
-    /// Clusters drawn.
+    /// The clusters of the cut.
+    pub drawn: Vec<Drawn>,
+    /// Clusters that draw anything.
     pub clusters: u32,
     /// Nodes looked at.
     pub visited: u32,

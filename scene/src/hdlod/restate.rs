@@ -101,7 +101,7 @@ impl Hdlod {
         let parents = Parents::of(self);
         let period = scene.schedule.period;
         let affected = if self.period == period {
-            parents.above(changed.iter().copied())
+            parents.above_any(changed.iter().copied())
         } else {
             vec![true; self.clusters.len()]
         };
@@ -159,8 +159,9 @@ impl Hdlod {
     }
 }
 
-/// The way up.
-pub(super) struct Parents {
+/// The way up a tree.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Parents {
     of_cluster: Vec<u32>,
     of_element: Vec<u32>,
 }
@@ -168,6 +169,7 @@ pub(super) struct Parents {
 impl Parents {
     const NONE: u32 = u32::MAX;
 
+    /// Those of all nodes.
     pub fn of(hdlod: &Hdlod) -> Self {
         let mut parents = Self {
             of_cluster: vec![Self::NONE; hdlod.clusters.len()],
@@ -184,18 +186,21 @@ impl Parents {
         parents
     }
 
-    /// The clusters above an element, lowest first.
-    fn ancestors(&self, element: ElementId) -> impl Iterator<Item = u32> + '_ {
+    /// The clusters above a node, lowest first.
+    pub fn above(&self, node: Node) -> impl Iterator<Item = u32> + '_ {
         let real = |i: u32| (i != Self::NONE).then_some(i);
-        let first = real(self.of_element[element.index()]);
-        std::iter::successors(first, move |&i| real(self.of_cluster[i as usize]))
+        let first = match node {
+            Node::Leaf(element) => self.of_element[element.index()],
+            Node::Cluster(cluster) => self.of_cluster[cluster as usize],
+        };
+        std::iter::successors(real(first), move |&i| real(self.of_cluster[i as usize]))
     }
 
     /// For each cluster whether it is above any of the elements.
-    fn above(&self, elements: impl Iterator<Item = ElementId>) -> Vec<bool> {
+    fn above_any(&self, elements: impl Iterator<Item = ElementId>) -> Vec<bool> {
         let mut above = vec![false; self.of_cluster.len()];
         for element in elements {
-            for cluster in self.ancestors(element) {
+            for cluster in self.above(Node::Leaf(element)) {
                 if std::mem::replace(&mut above[cluster as usize], true) {
                     break;
                 }
@@ -280,7 +285,7 @@ impl Images {
             if !left.contains(&built) {
                 continue;
             }
-            for cluster in parents.ancestors(element).filter(|&c| affected[c as usize]) {
+            for cluster in parents.above(Node::Leaf(element)).filter(|&c| affected[c as usize]) {
                 let list = images.entry((cluster, built)).or_default();
                 if !list.contains(&now) {
                     list.push(now);
@@ -288,7 +293,7 @@ impl Images {
             }
         }
         let moved = (0..).map(ElementId).zip(pairs()).filter(|(_, (built, now))| built != now);
-        let touched = parents.above(moved.map(|(element, _)| element));
+        let touched = parents.above_any(moved.map(|(element, _)| element));
         Self { left, now: images, touched }
     }
 

@@ -1,6 +1,6 @@
 //! Display (Fig. 4; H8, H9 with R1, R5 to R8): the cut of the tree for a view at a date.
 
-use super::{Cluster, Hdlod, Node, Selection, Span, Temporal};
+use super::{Cluster, Drawn, Hdlod, Node, Selection, Span, Temporal};
 use crate::{Containment, ElementId, Frustum, Layer, Lens, Scene, View};
 use topout_schedule::{Share, Time};
 
@@ -46,6 +46,38 @@ pub fn select(scene: &Scene, hdlod: &Hdlod, view: &View, time: Time) -> Selectio
     walk.out
 }
 
+impl Hdlod {
+    /// What drawing a cluster gets wrong at a date, metres; `None` where it is absent for sure.
+    fn delta_at(&self, cluster: &Cluster, time: Time) -> Option<f32> {
+        match self.temporal {
+            Temporal::Tight => Some(cluster.eps),
+            Temporal::Paper => match cluster.presence.at(time) {
+                share if share.hi <= 0.0 => None,
+                share => Some(delta_m(cluster, share)),
+            },
+        }
+    }
+
+    /// What one cluster draws at a date in place of everything below it; `None` where that would be off by
+    /// more than the tolerance.
+    pub fn drawn_alone(
+        &self,
+        scene: &Scene,
+        cluster: u32,
+        view: &View,
+        time: Time,
+    ) -> Option<Vec<Span>> {
+        let cluster = &self.clusters[cluster as usize];
+        let delta = self.delta_at(cluster, time).unwrap_or(0.0);
+        if cluster.stale || view.error_px(delta, &cluster.bounds) > view.tolerance_px {
+            return None;
+        }
+        let mut out = Vec::new();
+        spans(scene, self, cluster, time, |span| out.push(span));
+        Some(out)
+    }
+}
+
 struct Walk<'a> {
     scene: &'a Scene,
     hdlod: &'a Hdlod,
@@ -62,7 +94,7 @@ impl Walk<'_> {
         self.out.visited += 1;
         match node {
             Node::Leaf(element) => self.leaf(element, inside),
-            Node::Cluster(i) => self.cluster(&self.hdlod.clusters[i as usize], inside),
+            Node::Cluster(i) => self.cluster(i, inside),
         }
     }
 
@@ -78,7 +110,8 @@ impl Walk<'_> {
         self.out.triangles += self.scene.model.triangles_of(element) as u64;
     }
 
-    fn cluster(&mut self, cluster: &Cluster, mut inside: bool) {
+    fn cluster(&mut self, index: u32, mut inside: bool) {
+        let cluster = &self.hdlod.clusters[index as usize];
         // H9 and R13: absent for sure. In a gap between two presences the nodes below find that out.
         if !cluster.presence.may_be_present(self.time) {
             return;
@@ -90,13 +123,7 @@ impl Walk<'_> {
                 Containment::Inside => inside = true,
             }
         }
-        let delta = match self.hdlod.temporal {
-            Temporal::Tight => cluster.eps,
-            Temporal::Paper => match cluster.presence.at(self.time) {
-                share if share.hi <= 0.0 => return,
-                share => delta_m(cluster, share),
-            },
-        };
+        let Some(delta) = self.hdlod.delta_at(cluster, self.time) else { return };
         let error_px = self.lens.error_px(delta, &cluster.bounds);
         if cluster.stale || error_px > self.tolerance_px {
             for i in cluster.children.clone() {
@@ -105,16 +132,18 @@ impl Walk<'_> {
             return;
         }
         self.out.worst_px = self.out.worst_px.max(error_px);
-        self.draw(cluster);
+        self.draw(index, cluster);
     }
 
-    fn draw(&mut self, cluster: &Cluster) {
+    fn draw(&mut self, index: u32, cluster: &Cluster) {
         let before = self.out.spans.len();
         spans(self.scene, self.hdlod, cluster, self.time, |span| {
             self.out.triangles += u64::from(span.index_count) / 3;
             self.out.spans.push(span);
         });
-        self.out.clusters += u32::from(self.out.spans.len() > before);
+        let end = self.out.spans.len();
+        self.out.clusters += u32::from(end > before);
+        self.out.drawn.push(Drawn { cluster: index, spans: before..end });
     }
 }
 
@@ -141,6 +170,42 @@ pub(crate) fn spans(
                 emit(runs.start, runs.end());
             }
             Temporal::Paper => {}
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::tests::{built, scene};
+    use super::*;
+    use glam::UVec2;
+    use proptest::prelude::*;
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+
+        #[test]
+        fn a_cluster_alone_draws_what_it_draws_in_the_cut(
+            scene in scene(), time in 0i64..100, away in 1f32..30.0, paper in any::<bool>(),
+        ) {
+            let temporal = if paper { Temporal::Paper } else { Temporal::Tight };
+            let tree = built(&scene, temporal);
+            let size = UVec2::new(640, 360);
+            let view = View::fit(&scene.model.bounds(), 30.0, 20.0, away, size);
+            let time = Time::from_seconds(time);
+            let cut = select(&scene, &tree, &view, time);
+            let mut next = 0;
+            for drawn in &cut.drawn {
+                prop_assert_eq!(drawn.spans.start, next);
+                next = drawn.spans.end;
+                let alone = tree.drawn_alone(&scene, drawn.cluster, &view, time);
+                prop_assert_eq!(alone.as_deref(), Some(&cut.spans[drawn.spans.clone()]));
+                let exact = View { tolerance_px: 0.0, ..view };
+                if tree.clusters[drawn.cluster as usize].eps > 0.0 {
+                    prop_assert!(tree.drawn_alone(&scene, drawn.cluster, &exact, time).is_none());
+                }
+            }
+            prop_assert_eq!(next, cut.spans.len());
         }
     }
 }
