@@ -188,6 +188,7 @@ fn read_schedules(request: &Request) -> anyhow::Result<Schedule> {
     let options = ReadOptions {
         date_format: request.date_format.clone(),
         encoding: request.encoding.clone(),
+        ..ReadOptions::default()
     };
     Ok(topout_schedule::read_files(&request.schedules, &options)?)
 }
