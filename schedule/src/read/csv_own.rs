@@ -4,11 +4,11 @@
 //! as JSON in the column `data`; columns after that are fields.
 
 use super::collected::{Collected, Texts};
-use super::csv::{Header, Table};
 use super::dates::DateReader;
 use super::error::ReadError;
 use super::json::predecessor;
 use super::read_predecessor;
+use super::table::{Header, Table};
 use crate::{Activity, Calendar, Severity, WbsNode};
 use serde_json::value::RawValue;
 use std::sync::Arc;

@@ -1,8 +1,8 @@
 //! Links files: which element belongs to which activity.
 
 use super::collected::Collected;
-use super::csv::{Header, Table};
 use super::error::ReadError;
+use super::table::{Header, Table};
 use super::tasklinks::Keys;
 use crate::Severity;
 use crate::sources::Place;

@@ -65,9 +65,8 @@ impl<'a> Statements<'a> {
                 self.cut |= !head.is_empty();
                 return Ok(None);
             }
-            // Most of a file is passed over: up to a byte that could change that.
-            if in_arguments && statement.is_none() && matches!(at, At::Plain | At::Text) {
-                self.pass_over(at);
+            if in_arguments && matches!(at, At::Plain | At::Text) {
+                self.take_run(at, statement.as_mut())?;
                 if self.rest.is_empty() {
                     continue;
                 }
@@ -98,12 +97,8 @@ impl<'a> Statements<'a> {
                 continue;
             }
             if in_arguments {
-                if let Some(Statement { arguments, .. }) = &mut statement {
-                    if arguments.len() == MAX_STATEMENT {
-                        let (file, limit_bytes) = (self.input.path.into(), MAX_STATEMENT as u64);
-                        return Err(ReadError::TooLong { file, line, limit_bytes });
-                    }
-                    arguments.push(byte);
+                if let Some(statement) = &mut statement {
+                    statement.arguments.push(byte);
                 }
             } else if byte == b'(' {
                 in_arguments = true;
@@ -127,16 +122,24 @@ impl<'a> Statements<'a> {
         Ok(!self.rest.is_empty())
     }
 
-    /// Takes bytes that mean nothing in arguments nobody asks for, or in a text there.
-    fn pass_over(&mut self, at: At) {
+    /// Takes bytes up to one that ends a text, begins one, or could end the statement.
+    fn take_run(&mut self, at: At, statement: Option<&mut Statement>) -> Result<(), ReadError> {
         let rest = &self.block[self.rest.clone()];
-        let means_something: fn(&u8) -> bool = match at {
-            At::Text => |b| *b == b'\'',
-            _ => |b| matches!(b, b'\'' | b';' | b'/'),
+        let end = match at {
+            At::Text => rest.iter().position(|b| *b == b'\''),
+            _ => rest.iter().position(|b| matches!(b, b'\'' | b';' | b'/')),
         };
-        let length = rest.iter().position(means_something).unwrap_or(rest.len());
-        self.line += rest[..length].iter().filter(|&&b| b == b'\n').count();
-        self.rest.start += length;
+        let run = &rest[..end.unwrap_or(rest.len())];
+        if let Some(Statement { arguments, line, .. }) = statement {
+            if arguments.len() + run.len() > MAX_STATEMENT {
+                let (file, limit_bytes) = (self.input.path.into(), MAX_STATEMENT as u64);
+                return Err(ReadError::TooLong { file, line: *line, limit_bytes });
+            }
+            arguments.extend_from_slice(run);
+        }
+        self.line += run.iter().filter(|&&b| b == b'\n').count();
+        self.rest.start += run.len();
+        Ok(())
     }
 }
 
@@ -230,7 +233,7 @@ struct Parser<'a> {
     at: usize,
 }
 
-impl Parser<'_> {
+impl<'a> Parser<'a> {
     fn peek(&mut self) -> Option<u8> {
         let rest = &self.bytes[self.at..];
         self.at += rest.iter().take_while(|b| b.is_ascii_whitespace()).count();
@@ -238,10 +241,10 @@ impl Parser<'_> {
     }
 
     /// Bytes up to the first that is not as wanted.
-    fn word(&mut self, wanted: impl Fn(u8) -> bool) -> String {
+    fn word(&mut self, wanted: impl Fn(u8) -> bool) -> &'a str {
         let from = self.at;
         self.at += self.bytes[from..].iter().take_while(|&&b| wanted(b)).count();
-        String::from_utf8_lossy(&self.bytes[from..self.at]).into_owned()
+        std::str::from_utf8(&self.bytes[from..self.at]).unwrap_or_default()
     }
 
     fn value(&mut self, depth: usize) -> Option<Value> {
@@ -263,17 +266,18 @@ impl Parser<'_> {
                 self.at += 1;
                 let word = self.word(|b| b.is_ascii_alphanumeric() || b == b'_');
                 (self.peek()? == b'.').then(|| self.at += 1)?;
-                Value::Word(word)
+                Value::Word(word.to_owned())
             }
             b'"' => {
                 self.at += 1;
                 let word = self.word(|b| b != b'"');
                 (self.peek()? == b'"').then(|| self.at += 1)?;
-                Value::Word(word)
+                Value::Word(word.to_owned())
             }
             b'(' => {
                 self.at += 1;
-                let mut values = Vec::new();
+                // A task's time has 20 attributes, the most of what is read.
+                let mut values = Vec::with_capacity(if depth == 0 { 20 } else { 0 });
                 if self.peek()? == b')' {
                     self.at += 1;
                     return Some(Value::List(values));
@@ -310,10 +314,14 @@ impl Parser<'_> {
         let mut bytes = Vec::new();
         loop {
             let rest = &self.bytes[self.at..];
-            let end = rest.iter().position(|&b| b == b'\'')?;
-            bytes.extend_from_slice(&rest[..end]);
-            self.at += end + 1;
-            if self.bytes.get(self.at) != Some(&b'\'') {
+            let part = &rest[..rest.iter().position(|&b| b == b'\'')?];
+            self.at += part.len() + 1;
+            let goes_on = self.bytes.get(self.at) == Some(&b'\'');
+            if !goes_on && bytes.is_empty() {
+                return Some(decode(part));
+            }
+            bytes.extend_from_slice(part);
+            if !goes_on {
                 return Some(decode(&bytes));
             }
             bytes.push(b'\'');
