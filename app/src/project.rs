@@ -66,7 +66,7 @@ pub struct Request {
     pub schedules: Vec<PathBuf>,
     /// How dates are written (`%d-%m-%Y`); ISO 8601 when `None`.
     pub date_format: Option<String>,
-    /// Text encoding of CSV files; UTF-8 when `None`.
+    /// Text encoding of CSV and XER files; by their content when `None`.
     pub encoding: Option<String>,
 }
 

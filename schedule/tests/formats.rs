@@ -363,3 +363,47 @@ fn formats_together() {
     assert_eq!(predecessors(&schedule, "3gone"), ["2walls SS -4eh"]);
     assert_eq!(by_id(&schedule, "A10").calendar, Some(2));
 }
+
+/// What is kept of an activity with a name, all dates, nine fields and two or three links.
+#[test]
+fn a_kilobyte_an_activity() {
+    let columns = [
+        "task_id",
+        "proj_id",
+        "task_code",
+        "task_name",
+        "task_type",
+        "status_code",
+        "guid",
+        "target_drtn_hr_cnt",
+        "remain_drtn_hr_cnt",
+        "total_float_hr_cnt",
+        "free_float_hr_cnt",
+        "cstr_type",
+        "cstr_date",
+        "act_start_date",
+        "act_end_date",
+        "target_start_date",
+        "target_end_date",
+        "early_start_date",
+        "early_end_date",
+    ];
+    let day = "2026-03-02 08:00";
+    let dates = [day; 7].join("\t");
+    let mut tasks = format!("ERMHDR\t22\n%T\tTASK\n%F\t{}\n", columns.join("\t"));
+    let mut links = "%T\tTASKPRED\n%F\ttask_id\tpred_task_id\tpred_type\tlag_hr_cnt\n".to_owned();
+    for n in 1..=2000 {
+        tasks += &format!(
+            "%R\t{n}\t1\tA{n:06}\tReinforced concrete walls, level 12, axis C to D\tTT_Task\t\
+             TK_NotStart\tygi/8weKMUKMiLdcOaqdlA\t40\t40\t16\t0\tCS_MSO\t{dates}\n"
+        );
+        for before in 1..=2 + n % 2 {
+            links += &format!("%R\t{n}\t{}\tPR_SS\t8\n", (n - before).max(1));
+        }
+    }
+    let schedule = read_as("plan.xer", tasks + &links + "%E\n");
+    let tally = schedule.tally();
+    assert_eq!((tally.activities, tally.predecessors, tally.without_dates), (2000, 5000, 0));
+    assert_eq!(schedule.activities[0].fields.len(), 9);
+    assert!(schedule.bytes() / 2000 <= 1024, "{} bytes an activity", schedule.bytes() / 2000);
+}

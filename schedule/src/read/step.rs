@@ -65,11 +65,13 @@ impl<'a> Statements<'a> {
                 self.cut |= !head.is_empty();
                 return Ok(None);
             }
-            if in_arguments && matches!(at, At::Plain | At::Text) {
-                self.take_run(at, statement.as_mut())?;
-                if self.rest.is_empty() {
-                    continue;
-                }
+            match at {
+                At::Plain | At::Text if in_arguments => self.take_run(at, statement.as_mut())?,
+                At::Plain => self.take_head(&mut head, &mut line),
+                _ => {}
+            }
+            if self.rest.is_empty() {
+                continue;
             }
             let byte = self.block[self.rest.start];
             self.rest.start += 1;
@@ -102,15 +104,14 @@ impl<'a> Statements<'a> {
                 }
             } else if byte == b'(' {
                 in_arguments = true;
+                head.make_ascii_uppercase();
                 let (id, name) = id_and_name(&head);
                 if wanted(id, name) {
                     let name = name.to_owned();
                     statement = Some(Statement { id, name, line, arguments: vec![byte] });
                 }
-            } else if byte.is_ascii_whitespace() && head.is_empty() {
-                line = self.line;
             } else if head.len() < MAX_NAME {
-                head.push(byte.to_ascii_uppercase());
+                head.push(byte);
             }
         }
     }
@@ -120,6 +121,23 @@ impl<'a> Statements<'a> {
         let length = fill(&mut *self.bytes, &mut self.block);
         self.rest = 0..length.map_err(|source| self.input.io(source))?;
         Ok(!self.rest.is_empty())
+    }
+
+    /// Takes what stands before the brackets; `line` becomes that of its first byte.
+    fn take_head(&mut self, head: &mut Vec<u8>, line: &mut usize) {
+        let mut rest = &self.block[self.rest.clone()];
+        let line_ends = |bytes: &[u8]| bytes.iter().filter(|&&b| b == b'\n').count();
+        if head.is_empty() {
+            let text = rest.trim_ascii_start();
+            self.line += line_ends(&rest[..rest.len() - text.len()]);
+            self.rest.start += rest.len() - text.len();
+            (rest, *line) = (text, self.line);
+        }
+        let end = rest.iter().position(|b| matches!(b, b'(' | b';' | b'\'' | b'/'));
+        let run = &rest[..end.unwrap_or(rest.len())];
+        head.extend_from_slice(&run[..run.len().min(MAX_NAME.saturating_sub(head.len()))]);
+        self.line += line_ends(run);
+        self.rest.start += run.len();
     }
 
     /// Takes bytes up to one that ends a text, begins one, or could end the statement.
