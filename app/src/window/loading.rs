@@ -232,7 +232,7 @@ impl Project {
 pub enum Ask {
     /// .glb and .gltf.
     Models,
-    /// .json and .csv.
+    /// .json, .csv, .xml, .xer and .ifc.
     Schedules,
 }
 
