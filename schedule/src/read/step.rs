@@ -90,8 +90,9 @@ impl<'a> Statements<'a> {
                 continue;
             }
             if at == At::Plain && byte == b';' {
-                if statement.is_some() {
-                    return Ok(statement);
+                if let Some(mut statement) = statement {
+                    statement.arguments.shrink_to_fit();
+                    return Ok(Some(statement));
                 }
                 self.cut &= !head.starts_with(b"END-ISO");
                 (in_arguments, line) = (false, self.line);
