@@ -66,7 +66,7 @@ pub struct Request {
     pub schedules: Vec<PathBuf>,
     /// How dates are written (`%d-%m-%Y`); ISO 8601 when `None`.
     pub date_format: Option<String>,
-    /// Text encoding of CSV files; UTF-8 when `None`.
+    /// Text encoding of CSV and XER files; by their content when `None`.
     pub encoding: Option<String>,
 }
 
@@ -188,6 +188,7 @@ fn read_schedules(request: &Request) -> anyhow::Result<Schedule> {
     let options = ReadOptions {
         date_format: request.date_format.clone(),
         encoding: request.encoding.clone(),
+        ..ReadOptions::default()
     };
     Ok(topout_schedule::read_files(&request.schedules, &options)?)
 }

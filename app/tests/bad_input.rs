@@ -136,9 +136,13 @@ fn an_unknown_element() {
 #[test]
 fn a_wrong_encoding() {
     let csv = b"id,name,start,end,elements\nA1,D\xe9molition,2026-03-02,2026-03-06,slab\n";
-    assert_refused(&check("plan.csv", csv, &[]), &["plan.csv", "line 2", "0xE9", "encoding"]);
+    let declared = check("plan.csv", csv, &["--encoding", "utf-8"]);
+    assert_refused(&declared, &["plan.csv", "line 2", "0xE9", "encoding"]);
     let read = check("plan.csv", csv, &["--encoding", "windows-1252"]);
     assert_eq!(read.code, 0, "{}{}", read.stdout, read.stderr);
+    // What nobody declared is guessed, and said.
+    let guessed = check("plan.csv", csv, &["--json", "-"]).good_json();
+    assert!(guessed["diagnostics"].to_string().contains("windows-1252"), "{guessed}");
     let unknown = check("plan.csv", csv, &["--encoding", "klingon"]);
     assert_refused(&unknown, &["klingon"]);
 }

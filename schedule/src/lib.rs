@@ -7,7 +7,10 @@
 
 mod behaviour;
 mod bounded;
+mod calendar;
+mod dates;
 mod diagnostics;
+mod plan;
 mod presence;
 mod read;
 mod schedule;
@@ -15,13 +18,17 @@ mod sources;
 mod step;
 mod time;
 mod write;
+mod write_csv;
 
 pub use behaviour::{Behaviour, Preset};
 pub use bounded::{BoundedStep, Share};
+pub use calendar::{Calendar, CalendarException, Shift};
+pub use dates::{DateSet, DateSets, Dates};
 pub use diagnostics::{Diagnostic, Diagnostics, Severity};
+pub use plan::{Lag, LinkKind, Predecessor, WbsNode};
 pub use presence::presence;
-pub use read::{FORMAT, ReadError, ReadOptions, read_files};
-pub use schedule::{Activity, ActivityKind, Schedule};
+pub use read::{Column, FORMAT, ReadError, ReadOptions, read_bytes, read_files};
+pub use schedule::{Activity, ActivityKind, Fields, Schedule, Tally};
 pub use sources::Sources;
 pub use step::StepFunction;
 pub use time::{Time, TimeError, TimeRange};

@@ -1,8 +1,16 @@
 //! Activities and the schedule that holds them.
 
 use crate::sources::{Place, Sources};
-use crate::{Diagnostics, Severity, Time, TimeRange};
+use crate::{
+    Calendar, DateSet, DateSets, Dates, Diagnostics, Predecessor, Severity, Time, TimeRange,
+    WbsNode,
+};
 use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// What a file says beside what topout knows: names and values in the file's order. Activities of
+/// one file share the names.
+pub type Fields = Vec<(Arc<str>, Box<str>)>;
 
 /// What an activity does to the elements it is linked to.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
@@ -47,18 +55,30 @@ pub struct Activity {
     pub id: String,
     /// What the planner calls it.
     pub name: String,
-    /// First instant, if it has dates.
+    /// First instant, if it has dates; what presence uses.
     pub start: Option<Time>,
-    /// First instant after it, if it has dates.
+    /// First instant after it, if it has dates; what presence uses.
     pub end: Option<Time>,
+    /// All dates that the planner keeps of it.
+    pub date_sets: DateSets,
     /// What it does to its elements.
     pub kind: ActivityKind,
     /// False: it never happens.
     pub active: bool,
+    /// An event rather than work.
+    pub milestone: bool,
+    /// How much is done, from 0 to 100.
+    pub percent_complete: Option<f32>,
+    /// The summary above it: index in [`Schedule::wbs`].
+    pub wbs: Option<u32>,
+    /// Its own calendar: index in [`Schedule::calendars`].
+    pub calendar: Option<u32>,
+    /// What it waits for.
+    pub predecessors: Vec<Predecessor>,
     /// Node names or guids of elements or groups.
     pub elements: Vec<String>,
-    /// Everything else the file said, kept in the file's order.
-    pub fields: Vec<(String, String)>,
+    /// Everything else the file said: activity codes, user fields, unknown columns.
+    pub fields: Fields,
 }
 
 impl Default for Activity {
@@ -69,8 +89,14 @@ impl Default for Activity {
             name: String::new(),
             start: None,
             end: None,
+            date_sets: DateSets::default(),
             kind: ActivityKind::default(),
             active: true,
+            milestone: false,
+            percent_complete: None,
+            wbs: None,
+            calendar: None,
+            predecessors: Vec::new(),
             elements: Vec::new(),
             fields: Vec::new(),
         }
@@ -83,6 +109,15 @@ impl Activity {
         let (start, end) = (self.start?, self.end?);
         (start <= end).then_some(TimeRange { start, end })
     }
+
+    /// Takes the dates that count by [`DateSets::chosen`]; a milestone needs but one.
+    pub(crate) fn choose_dates(&mut self) {
+        let Dates { start, end } = self.date_sets.chosen();
+        (self.start, self.end) = match self.milestone {
+            true => (start.or(end), end.or(start)),
+            false => (start, end),
+        };
+    }
 }
 
 /// Validated activities of one project.
@@ -92,10 +127,18 @@ pub struct Schedule {
     pub project: String,
     /// T of the behaviours: the project's start and end.
     pub period: TimeRange,
+    /// Up to when the actual dates are known.
+    pub data_date: Option<Time>,
     /// Leaf tasks in file order.
     pub activities: Vec<Activity>,
+    /// The outline above them, parents before children.
+    pub wbs: Vec<WbsNode>,
+    /// Working times that activities refer to.
+    pub calendars: Vec<Calendar>,
+    /// The calendar of activities that have none: index in `calendars`.
+    pub calendar: Option<u32>,
     /// What else the file said of the project, kept in the file's order.
-    pub fields: Vec<(String, String)>,
+    pub fields: Fields,
     /// What was found while reading.
     pub diagnostics: Diagnostics,
     /// Where the activities stand in their files; see [`Schedule::place`].
@@ -116,28 +159,149 @@ impl Schedule {
         diagnostics: Diagnostics,
     ) -> Schedule {
         let period = (period.map(|p| p.start), period.map(|p| p.end));
-        Self::validate(project, period, activities, Sources::default(), diagnostics)
+        Schedule { project, activities, diagnostics, ..Schedule::default() }.validated(period)
     }
 
-    /// [`Schedule::new`] for activities that come from files.
-    pub(crate) fn validate(
-        project: String,
-        period: (Option<Time>, Option<Time>),
-        mut activities: Vec<Activity>,
-        mut sources: Sources,
-        mut diagnostics: Diagnostics,
-    ) -> Schedule {
-        let keep = unique_ids(&activities, &sources, &mut diagnostics);
-        for (i, activity) in activities.iter_mut().enumerate().filter(|&(i, _)| keep[i]) {
-            let source = sources.activities.get_mut(i);
-            remove_repeats(&mut activity.elements, source.map(|s| &mut s.links));
-            check_dates(activity, i, &sources, &mut diagnostics);
-        }
-        retain(&mut activities, &keep);
-        retain(&mut sources.activities, &keep);
+    /// Validates again what was put together by hand, as [`Schedule::new`] does. The period stays.
+    pub fn revalidated(self) -> Schedule {
+        let TimeRange { start, end } = self.period;
+        self.validated((Some(start), Some(end)))
+    }
 
-        let period = period_of(period, &activities, &mut diagnostics);
-        Schedule { project, period, activities, fields: Vec::new(), diagnostics, sources }
+    /// [`Schedule::new`] for what comes from files. References to what does not exist are reported
+    /// and removed.
+    pub(crate) fn validated(mut self, period: (Option<Time>, Option<Time>)) -> Schedule {
+        let keep = unique_ids(&self.activities, &self.sources, &mut self.diagnostics);
+        for (i, activity) in self.activities.iter_mut().enumerate().filter(|&(i, _)| keep[i]) {
+            let source = self.sources.activities.get_mut(i);
+            remove_repeats(&mut activity.elements, source.map(|s| &mut s.links));
+            check_dates(activity, i, &self.sources, &mut self.diagnostics);
+        }
+        self.check_references(&keep);
+        retain(&mut self.activities, &keep);
+        retain(&mut self.sources.activities, &keep);
+        self.period = period_of(period, &self.activities, &mut self.diagnostics);
+        self
+    }
+
+    /// Predecessors, summaries and calendars exist afterwards; predecessors are numbered as they are
+    /// once only the activities to keep are left.
+    fn check_references(&mut self, keep: &[bool]) {
+        for (i, node) in self.wbs.iter_mut().enumerate() {
+            node.parent = node.parent.filter(|&parent| (parent as usize) < i);
+        }
+        let (nodes, calendars) = (self.wbs.len(), self.calendars.len());
+        self.calendar = self.calendar.filter(|&c| (c as usize) < calendars);
+        let mut kept = 0;
+        let new_index: Vec<Option<u32>> = (keep.iter())
+            .map(|&k| {
+                kept += u32::from(k);
+                k.then(|| kept - 1)
+            })
+            .collect();
+        for (i, activity) in self.activities.iter_mut().enumerate().filter(|&(i, _)| keep[i]) {
+            let unknown = |r: Option<u32>, count: usize| r.is_some_and(|r| r as usize >= count);
+            let before = activity.predecessors.len();
+            activity.predecessors.retain_mut(|link| {
+                let there = new_index.get(link.activity as usize).copied().flatten();
+                link.activity = there.unwrap_or_default();
+                there.is_some()
+            });
+            let lost = before - activity.predecessors.len();
+            let unknown_wbs = unknown(activity.wbs, nodes);
+            let unknown_calendar = unknown(activity.calendar, calendars);
+            activity.wbs = activity.wbs.filter(|_| !unknown_wbs);
+            activity.calendar = activity.calendar.filter(|_| !unknown_calendar);
+            for (what, found) in [
+                ("a predecessor", lost > 0),
+                ("a summary", unknown_wbs),
+                ("a calendar", unknown_calendar),
+            ] {
+                if found {
+                    let place = self.sources.of_activity(i);
+                    self.diagnostics.add(Severity::Warning, "lost-reference", &activity.id, || {
+                        format!(
+                            "{place}: activity {:?} names {what} that is not there",
+                            activity.id
+                        )
+                    });
+                }
+            }
+        }
+    }
+
+    /// Takes the dates of a set as those that count, start and end apart, where it has them; others
+    /// stay. The period grows as needed. Returns how many activities have neither date in it.
+    pub fn use_dates(&mut self, set: DateSet) -> usize {
+        let mut without = 0;
+        for activity in &mut self.activities {
+            let Dates { start, end } = activity.date_sets[set];
+            without += usize::from(start.is_none() && end.is_none());
+            activity.start = start.or(activity.start);
+            activity.end = end.or(activity.end);
+            if let Some(dates) = activity.dates() {
+                self.period.start = self.period.start.min(dates.start);
+                self.period.end = self.period.end.max(dates.end);
+            }
+        }
+        without
+    }
+
+    /// The names of the summaries above an activity, the outermost first; their codes where they
+    /// have no names.
+    pub fn wbs_path(&self, activity: &Activity) -> Vec<&str> {
+        let mut path = Vec::new();
+        let mut next = activity.wbs;
+        while let Some(node) = next.and_then(|n| self.wbs.get(n as usize)) {
+            path.push(if node.name.is_empty() { &node.code } else { &node.name }.as_str());
+            // Parents come first, so this ends.
+            next = node.parent.filter(|&parent| Some(parent) < next);
+        }
+        path.reverse();
+        path
+    }
+
+    /// What there is, and how much of it is unusual but fine.
+    pub fn tally(&self) -> Tally {
+        let mut names = HashSet::with_capacity(self.activities.len());
+        let mut tally = Tally {
+            activities: self.activities.len(),
+            summaries: self.wbs.len(),
+            calendars: self.calendars.len(),
+            flat_outline: self.wbs.is_empty(),
+            ..Tally::default()
+        };
+        for activity in &self.activities {
+            let name = activity.name.trim();
+            tally.predecessors += activity.predecessors.len();
+            tally.elements += activity.elements.len();
+            tally.milestones += usize::from(activity.milestone);
+            tally.without_name += usize::from(name.is_empty());
+            tally.repeated_names += usize::from(!name.is_empty() && !names.insert(name));
+            tally.without_dates += usize::from(activity.dates().is_none());
+            tally.zero_duration += usize::from(activity.dates().is_some_and(|d| d.start == d.end));
+        }
+        tally
+    }
+
+    /// Bytes that the activities, the outline and their places take, without what an allocator adds.
+    pub fn bytes(&self) -> usize {
+        let text = |fields: &Fields| -> usize {
+            size_of_val(&fields[..]) + fields.iter().map(|(_, v)| v.len()).sum::<usize>()
+        };
+        let names = |names: &[String]| -> usize {
+            size_of_val(names) + names.iter().map(String::len).sum::<usize>()
+        };
+        let activity = |a: &Activity| {
+            let links = size_of_val(&a.predecessors[..]);
+            a.id.len() + a.name.len() + links + names(&a.elements) + text(&a.fields)
+        };
+        let node = |n: &WbsNode| n.code.len() + n.name.len();
+        size_of_val(&self.activities[..])
+            + self.activities.iter().map(activity).sum::<usize>()
+            + size_of_val(&self.wbs[..])
+            + self.wbs.iter().map(node).sum::<usize>()
+            + self.sources.bytes()
     }
 
     /// Where an activity stands, in words: file and line, or its number if it comes from no file.
@@ -151,6 +315,33 @@ impl Schedule {
         let elements = self.activities.get(activity).map_or(0, |a| a.elements.len());
         self.sources.of_element(activity, elements, element)
     }
+}
+
+/// What a schedule holds; see [`Schedule::tally`].
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Tally {
+    /// Activities.
+    pub activities: usize,
+    /// Links between activities.
+    pub predecessors: usize,
+    /// Links to elements.
+    pub elements: usize,
+    /// Nodes of the outline.
+    pub summaries: usize,
+    /// Calendars.
+    pub calendars: usize,
+    /// Activities that are events.
+    pub milestones: usize,
+    /// Activities whose name is empty.
+    pub without_name: usize,
+    /// Activities that are called like one before them.
+    pub repeated_names: usize,
+    /// Activities without usable dates.
+    pub without_dates: usize,
+    /// Activities that end when they start.
+    pub zero_duration: usize,
+    /// There are no summaries.
+    pub flat_outline: bool,
 }
 
 /// The project's period: as given, else from the first start to the last end.

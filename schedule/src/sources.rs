@@ -41,6 +41,12 @@ impl Place {
 }
 
 impl Sources {
+    /// Bytes of all places.
+    pub(crate) fn bytes(&self) -> usize {
+        let links = |source: &Source| size_of_val(&source.links[..]);
+        size_of_val(&self.activities[..]) + self.activities.iter().map(links).sum::<usize>()
+    }
+
     /// A place in words.
     pub(crate) fn describe(&self, place: Place) -> String {
         let file = self.files.get(place.file as usize).map_or("", String::as_str);

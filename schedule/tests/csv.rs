@@ -27,7 +27,7 @@ fn a_schedule_with_all_columns() {
 fn semicolons_and_bars() {
     let schedule = csv("activity_id;name;start;finish;elements\n\
                         A1;Walls, doors;2026-03-03;2026-03-04;W1| W2|;\n");
-    assert_eq!(findings(&schedule), []);
+    assert_eq!(findings(&schedule), [("guessed-separator", 1)]);
     let a = by_id(&schedule, "A1");
     assert_eq!(a.name, "Walls, doors");
     assert_eq!(a.elements, ["W1", "W2"]);
@@ -71,13 +71,17 @@ fn rows_with_a_cell_too_many_are_left_out() {
 }
 
 #[test]
-fn dates_need_the_format_to_be_said() {
-    let content = "id;name;start;end\nA;a;26-2-2015;27-02-2015\nB;b;2-3-2015;04-03-2015 16:00\n";
+fn dates_in_another_order() {
+    let content = "id,name,start,end\nB,b,2-3-2015,04-03-2015 16:00\nA,a,26-2-2015,27-02-2015\n";
     let files = Files::new().add("plan.csv", content);
-    let said = files.error();
-    assert_says(&said, &["plan.csv: line 2", "\"26-2-2015\"", "--date-format"]);
+    // A day above 12 shows the order, and what was made of it is said.
+    let guessed = files.read();
+    assert_eq!(findings(&guessed), [("guessed-dates", 1)]);
+    let said = message(&guessed, "guessed-dates");
+    assert_says(said, &["plan.csv", "day first", "2-3-2015 is 2015-03-02", "--date-format"]);
     let schedule = files.try_read(&with_format("%d-%m-%Y")).expect("a schedule");
     assert_eq!(findings(&schedule), []);
+    assert_eq!(guessed.activities, schedule.activities);
     assert_eq!(by_id(&schedule, "A").start, Some(time("2015-02-26")));
     assert_eq!(by_id(&schedule, "A").end, Some(time("2015-02-28")));
     assert_eq!(by_id(&schedule, "B").end, Some(time("2015-03-04T16:00")));
@@ -134,10 +138,15 @@ fn encodings() {
     let text = "id,name,start,end\nA,Außenwände – Süd,2026-01-01,2026-01-02\n";
     let windows = encoding_rs::WINDOWS_1252.encode(text).0;
     let files = Files::new().add("plan.csv", &windows);
-    let said = files.error();
-    assert_says(&said, &["plan.csv: line 2", "byte 23", "0xDF", "UTF-8", "windows-1252"]);
+    let guessed = files.read();
+    assert_eq!(findings(&guessed), [("guessed-encoding", 1)]);
+    assert_says(message(&guessed, "guessed-encoding"), &["plan.csv", "windows-1252", "--encoding"]);
     let schedule = files.try_read(&with_encoding("windows-1252")).expect("a schedule");
+    assert_eq!(findings(&schedule), []);
     assert_eq!(schedule.activities[0].name, "Außenwände – Süd");
+    assert_eq!(guessed.activities, schedule.activities);
+    let said = files.try_read(&with_encoding("utf-8")).expect_err("not UTF-8").to_string();
+    assert_says(&said, &["plan.csv: line 2", "byte 23", "0xDF", "UTF-8", "declared"]);
 
     let utf16: Vec<u8> =
         "\u{feff}".encode_utf16().chain(text.encode_utf16()).flat_map(u16::to_le_bytes).collect();

@@ -25,7 +25,7 @@ fn the_example_of_the_format() {
     assert_eq!(fence.kind, ActivityKind::Temporary);
     assert!(fence.active);
     assert_eq!(fence.elements, ["FNC_S00_0000"]);
-    let fields = [("trade", "Site setup"), ("storey", "0")].map(|(n, v)| (n.into(), v.into()));
+    let fields = [("trade".into(), "Site setup".into()), ("storey".into(), "0".into())];
     assert_eq!(fence.fields, fields);
 }
 

@@ -66,7 +66,7 @@ fn p6_table_keeps_its_columns() {
     let start = &schedule.activities[0];
     assert_eq!((start.id.as_str(), start.name.as_str()), ("C0900", "House 1 Start"));
     assert_eq!(start.start, start.end);
-    let field = |name: &str| start.fields.iter().find(|(n, _)| n == name).map(|(_, v)| v.as_str());
+    let field = |name: &str| start.fields.iter().find(|(n, _)| **n == *name).map(|(_, v)| &**v);
     assert_eq!(field("type"), Some("milestone"));
     assert_eq!(field("wbs"), Some("MDL4D.1"));
     assert_eq!(field("preds"), Some("104897:SS"));
@@ -90,4 +90,62 @@ fn event_log_is_refused_by_its_columns() {
     let message = error.to_string();
     assert!(message.contains("lacks id, name, start, end"), "{message}");
     assert!(message.contains("TaskStart"), "{message}");
+}
+
+/// The same plan as Project wrote it: 157 tasks, 36 of them without a name, none of them a summary.
+#[test]
+fn project_plan_reads() {
+    let Some(data) = real_data() else { return };
+    let schedule = read(&[data.join("schependomlaan/planning_mspdi.xml")]);
+    assert_eq!(findings(&schedule), vec![]);
+    let tally = schedule.tally();
+    assert_eq!((tally.activities, tally.without_name, tally.predecessors), (157, 36, 48));
+    assert!(tally.flat_outline && tally.zero_duration > 0);
+    assert_eq!(schedule.project, "Schependomlaan Nijmegen");
+    // Like the table that was made from it, row by row.
+    let table = read(&[data.join("schependomlaan/planning_mspdi.csv")]);
+    for (a, row) in schedule.activities.iter().zip(&table.activities) {
+        assert_eq!((a.name.trim(), a.start, a.end), (row.name.as_str(), row.start, row.end));
+    }
+    assert_eq!(schedule.calendars.len(), 4);
+    let calendar = &schedule.calendars[schedule.calendar.expect("the project's") as usize];
+    assert_eq!(calendar.name, "Prognosekalender verlof / rv / vv");
+    assert_eq!(calendar.week.each_ref().map(Vec::len), [1, 1, 1, 1, 1, 0, 0]);
+}
+
+/// 62 activities and 87 links, as P6 exports them.
+#[test]
+fn p6_export_reads() {
+    let Some(data) = real_data() else { return };
+    let schedule = read(&[data.join("schedules/MDL4D.xer")]);
+    assert_eq!(findings(&schedule), vec![("guessed-encoding", Severity::Info, 1)]);
+    let tally = schedule.tally();
+    assert_eq!((tally.activities, tally.predecessors, tally.summaries), (62, 87, 7));
+    assert_eq!((schedule.project.as_str(), tally.calendars), ("MDL4D", 3));
+    let table = read(&[data.join("schedules/MDL4D.csv")]);
+    for (a, row) in schedule.activities.iter().zip(&table.activities) {
+        assert_eq!((&a.id, &a.name, a.start, a.end), (&row.id, &row.name, row.start, row.end));
+    }
+    let path = schedule.wbs_path(&schedule.activities[0]);
+    assert_eq!(path, ["CPLEX Model 4 Resourse allocation and dates uploaded", "Milestones"]);
+    // Seven days a week, eight hours, but for holidays.
+    let calendar = &schedule.calendars[schedule.calendar.expect("the project's") as usize];
+    assert!(calendar.week.iter().all(|day| day.len() == 1 && !calendar.exceptions.is_empty()));
+}
+
+/// buildingSMART's example: 8 tasks, 3 of them summaries, 7 sequences, 6 products.
+#[test]
+fn ifc_example_reads() {
+    let Some(data) = real_data() else { return };
+    let schedule = read(&[data.join("ifc4_task/construction_scheduling_task.ifc")]);
+    assert_eq!(findings(&schedule), vec![]);
+    let tally = schedule.tally();
+    assert_eq!((tally.activities, tally.predecessors, tally.elements), (8, 7, 6));
+    assert_eq!(tally.summaries, 3);
+    assert_eq!(schedule.project, "example project");
+    let wall = schedule.activities.iter().find(|a| a.name == "Wall #1").expect("a wall");
+    assert_eq!(wall.id, "0Kq8RwbZH3afCy87RX8dso");
+    assert_eq!(wall.elements, ["26tmERtwL8G8UQn5BoglEh"]);
+    assert_eq!(wall.start, Some(Time::parse_iso("2010-09-21T08:00:00").expect("a date")));
+    assert_eq!(schedule.wbs_path(wall), ["Ground Level", "Wall (Standard)"]);
 }

@@ -5,7 +5,10 @@ mod support;
 use proptest::prelude::*;
 use serde_json::Value;
 use support::*;
-use topout_schedule::{Activity, ActivityKind, FORMAT, Schedule, Time, TimeRange};
+use topout_schedule::{
+    Activity, ActivityKind, Calendar, CalendarException, DateSet, Dates, FORMAT, Fields, Lag,
+    LinkKind, Predecessor, Schedule, Shift, Time, TimeRange, WbsNode,
+};
 
 fn written(schedule: &Schedule) -> String {
     let mut bytes = Vec::new();
@@ -13,10 +16,10 @@ fn written(schedule: &Schedule) -> String {
     String::from_utf8(bytes).expect("JSON is UTF-8")
 }
 
-fn assert_same(a: &Schedule, b: &Schedule) {
-    assert_eq!((&a.project, a.period), (&b.project, b.period));
-    assert_eq!(a.activities, b.activities);
-    assert_eq!(a.fields, b.fields);
+fn written_as_table(schedule: &Schedule) -> String {
+    let mut bytes = Vec::new();
+    schedule.write_csv(&mut bytes).expect("memory does not fail");
+    String::from_utf8(bytes).expect("the table is UTF-8")
 }
 
 fn any_text() -> impl Strategy<Value = String> {
@@ -32,11 +35,30 @@ fn any_text() -> impl Strategy<Value = String> {
 }
 
 /// Fields may be called like the other names of what an activity has.
-fn any_fields() -> impl Strategy<Value = Vec<(String, String)>> {
-    let known = ["finish", "activity_id", "id", "end", "start", "activities", "trade"];
+fn any_fields() -> impl Strategy<Value = Fields> {
+    let known = [
+        "finish",
+        "activity_id",
+        "id",
+        "end",
+        "start",
+        "activities",
+        "trade",
+        "planned_start",
+        "milestone",
+        "percent_complete",
+        "wbs",
+        "calendar",
+        "predecessors",
+        "calendars",
+        "data_date",
+        "data",
+        "topout",
+    ];
     let known = known.map(str::to_owned);
     let name = prop_oneof![any_text(), prop::sample::select(known.to_vec())];
-    prop::collection::vec((name, any_text()), 0..4)
+    let field = (name, any_text()).prop_map(|(n, v)| (n.into(), v.into()));
+    prop::collection::vec(field, 0..4)
 }
 
 fn any_time() -> impl Strategy<Value = Time> {
@@ -44,38 +66,122 @@ fn any_time() -> impl Strategy<Value = Time> {
     (-62_000_000_000i64..300_000_000_000).prop_map(Time::from_seconds)
 }
 
+fn any_dates() -> impl Strategy<Value = Dates> {
+    let time = || prop::option::weighted(0.4, any_time());
+    (time(), time()).prop_map(|(start, end)| Dates { start, end })
+}
+
+fn any_shifts() -> impl Strategy<Value = Vec<Shift>> {
+    let shift = (0u32..86_400, 1u32..86_401).prop_filter_map("in order", |(a, b)| Shift::new(a, b));
+    prop::collection::vec(shift, 0..3)
+}
+
+prop_compose! {
+    fn any_calendar()(
+        name in any_text(),
+        week in prop::array::uniform7(any_shifts()),
+        exceptions in prop::collection::vec((-9000i32..90_000, 0u64..9, any_shifts()), 0..3),
+    ) -> Calendar {
+        let day = |n: i32| chrono::NaiveDate::from_num_days_from_ce_opt(719_163 + n).expect("a day");
+        let exception = |(first, days, shifts)| CalendarException {
+            first: day(first),
+            last: day(first) + chrono::Days::new(days),
+            shifts,
+        };
+        Calendar { name, week, exceptions: exceptions.into_iter().map(exception).collect() }
+    }
+}
+
+prop_compose! {
+    fn any_node()(
+        code in any_text(),
+        name in any_text(),
+        parent in prop::option::of(0u32..4),
+    ) -> WbsNode {
+        WbsNode { code, name, parent }
+    }
+}
+
+prop_compose! {
+    fn any_predecessor()(
+        activity in 0u32..6,
+        kind in prop::sample::select(LinkKind::WORDS.to_vec()),
+        seconds in prop_oneof![Just(0i64), -90_000i64..90_000, any::<i64>()],
+        elapsed in any::<bool>(),
+    ) -> Predecessor {
+        Predecessor { activity, kind: kind.1, lag: Lag { seconds, elapsed } }
+    }
+}
+
 prop_compose! {
     fn any_activity()(
-        id in "[A-Z0-9]{1,3}|\\PC{1,5}",
+        id in "[A-Z0-9]{1,3}|[A-C:;FS+\\[ ]{1,6}|\\PC{1,5}",
         name in any_text(),
         start in prop::option::weighted(0.9, any_time()),
         end in prop::option::weighted(0.9, any_time()),
+        sets in prop::array::uniform4(any_dates()),
         kind in prop::sample::select(ActivityKind::WORDS.to_vec()),
-        active in any::<bool>(),
+        (active, milestone) in any::<(bool, bool)>(),
+        percent_complete in prop::option::of(0f32..=100.0),
+        (wbs, calendar) in prop::option::of((0u32..5, 0u32..3)).prop_map(Option::unzip),
+        predecessors in prop::collection::vec(any_predecessor(), 0..3),
         elements in prop::collection::vec(any_text(), 0..5),
         fields in any_fields(),
     ) -> Activity {
-        Activity { id, name, start, end, kind: kind.1, active, elements, fields }
+        let mut activity = Activity {
+            id, name, start, end, kind: kind.1, active, milestone, percent_complete, wbs, calendar,
+            predecessors, elements, fields, ..Activity::default()
+        };
+        for ((_, set), dates) in DateSet::WORDS.into_iter().zip(sets) {
+            activity.date_sets[set] = dates;
+        }
+        activity
     }
+}
+
+prop_compose! {
+    fn any_schedule()(
+        project in any_text(),
+        period in prop::option::of((any_time(), any_time())),
+        data_date in prop::option::of(any_time()),
+        activities in prop::collection::vec(any_activity(), 0..6),
+        wbs in prop::collection::vec(any_node(), 0..5),
+        calendars in prop::collection::vec(any_calendar(), 0..3),
+        calendar in prop::option::of(0u32..3),
+        fields in any_fields(),
+    ) -> Schedule {
+        let period = period.map(|(a, b)| TimeRange { start: a.min(b), end: a.max(b) });
+        let mut given = Schedule::new(project, period, Vec::new(), Default::default());
+        (given.wbs, given.calendars, given.calendar) = (wbs, calendars, calendar);
+        (given.data_date, given.fields, given.activities) = (data_date, fields, activities);
+        given.revalidated()
+    }
+}
+
+/// Writes it in both forms and reads it again.
+fn assert_kept(schedule: &Schedule) -> Result<(), TestCaseError> {
+    let text = written(schedule);
+    prop_assert!(serde_json::from_str::<Value>(&text).is_ok(), "{}", text);
+    let table = written_as_table(schedule);
+    for (name, content) in [("plan.json", &text), ("plan.csv", &table)] {
+        let read = read_as(name, content);
+        prop_assert_eq!(&read.project, &schedule.project);
+        prop_assert_eq!(read.period, schedule.period);
+        prop_assert_eq!(&read.activities, &schedule.activities, "{}", content);
+        prop_assert_eq!((&read.wbs, read.calendar), (&schedule.wbs, schedule.calendar));
+        prop_assert_eq!(&read.calendars, &schedule.calendars);
+        prop_assert_eq!((read.data_date, &read.fields), (schedule.data_date, &schedule.fields));
+        // The first reading reports what it finds; what it finds does not change.
+        prop_assert_eq!(written(&read), &*text);
+        prop_assert_eq!(written_as_table(&read), &*table);
+    }
+    Ok(())
 }
 
 proptest! {
     #[test]
-    fn what_is_written_is_read(
-        project in any_text(),
-        period in prop::option::of((any_time(), any_time())),
-        activities in prop::collection::vec(any_activity(), 0..6),
-        fields in any_fields(),
-    ) {
-        let period = period.map(|(a, b)| TimeRange { start: a.min(b), end: a.max(b) });
-        let mut schedule = Schedule::new(project, period, activities, Default::default());
-        schedule.fields = fields;
-        let text = written(&schedule);
-        prop_assert!(serde_json::from_str::<Value>(&text).is_ok());
-        let read = json(&text);
-        assert_same(&read, &schedule);
-        // The first reading reports what it finds; what it finds does not change.
-        prop_assert_eq!(written(&read), text);
+    fn what_is_written_is_read(schedule in any_schedule()) {
+        assert_kept(&schedule)?;
     }
 }
 
@@ -89,7 +195,7 @@ fn from_a_table_to_json_and_back() {
         &text,
         &["\"cost\": 12.50", "\"code\": \"007\"", "\"end\": \"2026-03-05T00:00:00\""],
     );
-    assert_same(&json(&text), &table);
+    assert_kept(&table).expect("the same");
 }
 
 #[test]
@@ -97,6 +203,8 @@ fn times_outside_the_calendar_are_refused() {
     let period = TimeRange { start: Time::MIN, end: Time::MAX };
     let schedule = Schedule::new(String::new(), Some(period), Vec::new(), Default::default());
     let error = schedule.write_json(Vec::new()).expect_err("no such date");
+    assert_eq!(error.kind(), std::io::ErrorKind::InvalidData);
+    let error = schedule.write_csv(Vec::new()).expect_err("no such date");
     assert_eq!(error.kind(), std::io::ErrorKind::InvalidData);
 }
 
@@ -122,32 +230,102 @@ fn the_schema_names_what_is_read_and_written() {
     let activity = &schema["$defs"]["activity"]["properties"];
     assert_eq!(
         names(project),
-        ["activities", "end", "finish", "format", "project", "start", "version"]
+        [
+            "activities",
+            "calendar",
+            "calendars",
+            "data_date",
+            "end",
+            "finish",
+            "format",
+            "project",
+            "start",
+            "version",
+            "wbs"
+        ]
     );
     assert_eq!(
         names(activity),
-        ["active", "activity_id", "elements", "end", "finish", "id", "kind", "name", "start"]
+        [
+            "active",
+            "activity_id",
+            "actual_end",
+            "actual_start",
+            "baseline_end",
+            "baseline_start",
+            "calendar",
+            "elements",
+            "end",
+            "finish",
+            "forecast_end",
+            "forecast_start",
+            "id",
+            "kind",
+            "milestone",
+            "name",
+            "percent_complete",
+            "planned_end",
+            "planned_start",
+            "predecessors",
+            "start",
+            "wbs"
+        ]
     );
     assert_eq!(project["format"]["const"], FORMAT);
 
-    let one = Activity {
+    let day = Some(time("2026-01-01"));
+    let mut one = Activity {
         id: "A".into(),
-        start: Some(time("2026-01-01")),
+        start: day,
         end: Some(time("2026-01-02")),
+        milestone: true,
+        percent_complete: Some(33.5),
+        wbs: Some(0),
+        calendar: Some(0),
         ..Activity::default()
     };
-    let text = written(&Schedule::new("P".into(), None, vec![one], Default::default()));
+    for (_, set) in DateSet::WORDS {
+        one.date_sets[set] = Dates { start: day, end: day };
+    }
+    let lag = Lag { seconds: -60, elapsed: true };
+    let link = Predecessor { activity: 0, kind: LinkKind::StartStart, lag };
+    let two = Activity { id: "B".into(), predecessors: vec![link], ..one.clone() };
+    let calendar = Calendar {
+        week: std::array::from_fn(|_| vec![Shift::new(28_800, 57_600).expect("a shift")]),
+        exceptions: vec![CalendarException {
+            first: day.and_then(Time::civil).expect("a day").date(),
+            last: day.and_then(Time::civil).expect("a day").date(),
+            shifts: Vec::new(),
+        }],
+        ..Calendar::default()
+    };
+    let mut schedule = Schedule::new("P".into(), None, Vec::new(), Default::default());
+    schedule.activities = vec![one, two];
+    schedule.wbs = vec![WbsNode::default(), WbsNode { parent: Some(0), ..WbsNode::default() }];
+    (schedule.calendars, schedule.calendar, schedule.data_date) = (vec![calendar], Some(0), day);
+    let text = written(&schedule.revalidated());
     let value: Value = serde_json::from_str(&text).expect("what is written is JSON");
-    assert!(names(&value).iter().all(|n| !project[n].is_null()), "{text}");
-    assert!(names(&value["activities"][0]).iter().all(|n| !activity[n].is_null()), "{text}");
+    let named = |given: &Value, schema: &Value| {
+        assert!(names(given).iter().all(|n| !schema["properties"][n].is_null()), "{given}");
+    };
+    let parts = &schema["$defs"];
+    named(&value, &schema);
+    named(&value["activities"][1], &parts["activity"]);
+    named(&value["activities"][1]["predecessors"][0], &parts["predecessor"]);
+    named(&value["wbs"][1], &parts["summary"]);
+    named(&value["calendars"][0], &parts["calendar"]);
+    named(&value["calendars"][0]["week"], &parts["calendar"]["properties"]["week"]);
+    named(&value["calendars"][0]["exceptions"][0], &parts["exception"]);
 
     for other in names(activity) {
         let given = match other {
             "id" | "activity_id" | "end" | "finish" => continue,
             _ => format!("{{\"id\": \"A\", \"end\": \"2026-01-02\", \"{other}\": null}}"),
         };
-        let schedule = json(format!("{{\"activities\": [{given}]}}"));
+        let lists = "\"wbs\": null, \"calendars\": null, \"calendar\": null, \"data_date\": null";
+        let schedule = json(format!("{{{lists}, \"activities\": [{given}]}}"));
         assert!(schedule.activities[0].fields.is_empty(), "{other} is named, but not read");
+        assert!(schedule.fields.is_empty());
     }
 }
 
@@ -171,5 +349,28 @@ fn the_schema_lists_the_words_that_are_read() {
         let text =
             format!("{{\"activities\": [{{\"id\": \"A\", {dates}, \"active\": {active}}}]}}");
         assert_eq!(findings(&json(text)), [], "{active}");
+    }
+}
+
+/// Every real file survives being saved in either form.
+#[test]
+fn real_files_are_kept() {
+    let Some(data) = std::env::var_os("TOPOUT_REAL_DATA").map(std::path::PathBuf::from) else {
+        println!("skipped: TOPOUT_REAL_DATA is not set");
+        return;
+    };
+    for file in [
+        "schedules/MDL4D.csv",
+        "schedules/MDL4D.xer",
+        "schependomlaan/planning_mspdi.csv",
+        "schependomlaan/planning_mspdi.xml",
+        "schependomlaan/schedule.csv",
+        "schependomlaan/schedule.json",
+        "ifc4_task/construction_scheduling_task.ifc",
+    ] {
+        let schedule = topout_schedule::read_files(&[data.join(file)], &Default::default());
+        let schedule = schedule.unwrap_or_else(|error| panic!("{error}"));
+        assert!(!schedule.activities.is_empty(), "{file}");
+        assert_kept(&schedule).unwrap_or_else(|error| panic!("{file}: {error}"));
     }
 }

@@ -71,7 +71,7 @@ pub struct Reading {
     #[arg(long, value_name = "F", value_parser = NonEmptyStringValueParser::new().try_map(date_format))]
     pub date_format: Option<String>,
 
-    /// Text encoding of CSV files, for example windows-1252 [default: UTF-8].
+    /// Text encoding of CSV and XER files, for example windows-1252 [default: UTF-8, else windows-1252].
     #[arg(long, value_name = "NAME")]
     pub encoding: Option<String>,
 }

@@ -292,12 +292,12 @@ pub fn welcome(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         button(
             "Open schedule…",
             Command::OpenSchedule,
-            "A .json or .csv file; choose a links file together with it",
+            "A .json, .csv, .xml, .xer or .ifc file; choose a links file together with it",
         );
         button("Open demo project", Command::OpenDemo, "A skyscraper with its schedule");
         ui.add_space(8.0);
         let hint = if state.waiting_schedules.is_empty() {
-            "or drop .glb, .gltf, .json and .csv files on this window".to_owned()
+            "or drop models and schedules on this window".to_owned()
         } else {
             let names: Vec<_> = state
                 .waiting_schedules

@@ -232,7 +232,7 @@ impl Project {
 pub enum Ask {
     /// .glb and .gltf.
     Models,
-    /// .json and .csv.
+    /// .json, .csv, .xml, .xer and .ifc.
     Schedules,
 }
 
@@ -269,7 +269,7 @@ pub fn ask(what: Ask, wake: Wake) -> std::io::Result<Job<Answer>> {
             .add_filter("glTF models", &["glb", "gltf"]),
         Ask::Schedules => rfd::AsyncFileDialog::new()
             .set_title("Open schedule")
-            .add_filter("Schedules and links", &["json", "csv"]),
+            .add_filter("Schedules and links", &["json", "csv", "xml", "xer", "ifc"]),
     };
     let asked = Instant::now();
     // Some systems insist that dialogs start on the main thread; waiting happens on another.

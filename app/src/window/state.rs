@@ -556,11 +556,11 @@ impl AppState {
             let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
             match extension.as_deref() {
                 Some("glb" | "gltf") => models.push(Source::File(path)),
-                Some("json" | "csv") => schedules.push(path),
+                Some("json" | "csv" | "xml" | "xer" | "ifc") => schedules.push(path),
                 _ => {
                     self.error = Some(format!(
                         "{}: not a file that topout opens. Models are .glb or .gltf, \
-                         schedules are .json or .csv.",
+                         schedules are .json, .csv, .xml, .xer or .ifc.",
                         path.display()
                     ));
                     return;

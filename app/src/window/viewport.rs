@@ -256,7 +256,9 @@ impl Viewport {
         const LOOK_EVERY: std::time::Duration = std::time::Duration::from_millis(300);
         ui.ctx().request_repaint_after(LOOK_EVERY);
         let (folder, looked) = &mut self.shaders;
-        let Some(frame) = self.drawn.filter(|_| looked.elapsed() >= LOOK_EVERY) else { return };
+        let Some((frame, _)) = self.drawn.filter(|_| looked.elapsed() >= LOOK_EVERY) else {
+            return;
+        };
         *looked = std::time::Instant::now();
         if !folder.has_changed() {
             return;

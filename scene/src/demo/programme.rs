@@ -4,6 +4,7 @@ use super::DemoError;
 use super::builder::{Part, WorkId};
 use super::design::Design;
 use super::model::storey_code;
+use std::sync::Arc;
 use topout_schedule::{Activity, ActivityKind, Diagnostics, Schedule, Time, TimeRange};
 
 /// First and last instant of the project.
@@ -231,7 +232,12 @@ pub(super) fn activities(
     let own = (wanted * 4 / 5).clamp(packages, links);
     let (extra, spare) = (own - packages, (links - packages).max(1));
     let others = wanted - own;
-    let mut writer = Writer { calendar: Calendar::new(), names, list: Vec::with_capacity(wanted) };
+    let mut writer = Writer {
+        calendar: Calendar::new(),
+        names,
+        fields: ["trade", "storey", "wbs"].map(Arc::from),
+        list: Vec::with_capacity(wanted),
+    };
     let (mut seen_spare, mut seen) = (0, 0);
     for (w, (work, members)) in works.iter().zip(&members).enumerate() {
         if members.is_empty() {
@@ -253,6 +259,8 @@ pub(super) fn activities(
 struct Writer<'a> {
     calendar: Calendar,
     names: &'a [String],
+    /// The names of the fields that every activity has.
+    fields: [Arc<str>; 3],
     list: Vec<Activity>,
 }
 
@@ -316,11 +324,12 @@ impl Writer<'_> {
             kind,
             active: work.active,
             elements: members.iter().map(|&m| self.names[m as usize].clone()).collect(),
-            fields: vec![
-                ("trade".to_owned(), work.trade.to_owned()),
-                ("storey".to_owned(), storey),
-                ("wbs".to_owned(), format!("{:04}.{:05}", number + 1, index + 1)),
-            ],
+            fields: [work.trade.to_owned(), storey, format!("{:04}.{:05}", number + 1, index + 1)]
+                .into_iter()
+                .zip(&self.fields)
+                .map(|(value, name)| (name.clone(), value.into()))
+                .collect(),
+            ..Activity::default()
         });
     }
 }

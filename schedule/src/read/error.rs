@@ -14,7 +14,7 @@ pub enum ReadError {
         source: std::io::Error,
     },
     /// Nothing but white space.
-    #[error("{}: the file is empty; a schedule in JSON or CSV was expected", file.display())]
+    #[error("{}: the file is empty; a schedule was expected", file.display())]
     Empty {
         /// Which file.
         file: PathBuf,
@@ -24,6 +24,16 @@ pub enum ReadError {
     TooLarge {
         /// Which file.
         file: PathBuf,
+        /// The limit.
+        limit_bytes: u64,
+    },
+    /// One activity, row or element that is longer than any schedule's.
+    #[error("{}: line {line}: more than {limit_bytes} bytes in one piece, which no schedule has", file.display())]
+    TooLong {
+        /// Which file.
+        file: PathBuf,
+        /// Where it is refused, from 1.
+        line: usize,
         /// The limit.
         limit_bytes: u64,
     },
@@ -73,6 +83,26 @@ pub enum ReadError {
         column: usize,
         /// What is wrong there.
         reason: String,
+    },
+    /// Not what its format asks for: XML, XER or IFC that is broken or of another kind.
+    #[error("{}: line {line}: {reason}", file.display())]
+    Malformed {
+        /// Which file.
+        file: PathBuf,
+        /// From 1.
+        line: usize,
+        /// What is wrong there, with the byte where one line is all there is.
+        reason: String,
+    },
+    /// A column that was said to be there.
+    #[error("{}: line 1: there is no column {name:?} (found: {found})", file.display())]
+    NoSuchColumn {
+        /// Which file.
+        file: PathBuf,
+        /// As declared.
+        name: String,
+        /// The columns as found, shortened.
+        found: String,
     },
     /// A table whose header row is neither a schedule's nor a links file's.
     #[error(

@@ -1,7 +1,9 @@
 //! Links files: which element belongs to which activity.
 
-use super::Collected;
-use super::csv::{Header, Table};
+use super::collected::Collected;
+use super::error::ReadError;
+use super::table::{Header, Table};
+use super::tasklinks::Keys;
 use crate::Severity;
 use crate::sources::Place;
 use std::collections::HashMap;
@@ -9,8 +11,8 @@ use std::collections::HashMap;
 /// Links that wait for their activities.
 #[derive(Default)]
 pub(super) struct Links {
-    /// Each activity id once; links refer to it by index, for there are far more links.
-    activities: HashMap<String, u32>,
+    /// Each activity id once; links refer to it by number, for there are far more links.
+    activities: Keys,
     links: Vec<Link>,
 }
 
@@ -40,8 +42,12 @@ impl Columns {
 }
 
 /// Reads one links file into `all`.
-pub(super) fn read(table: &mut Table, columns: Columns, all: &mut Collected) {
-    while let Some(line) = table.next(all) {
+pub(super) fn read(
+    table: &mut Table,
+    columns: Columns,
+    all: &mut Collected,
+) -> Result<(), ReadError> {
+    while let Some(line) = table.next(all)? {
         let guid = table.cell(columns.guid);
         let element = if guid.is_empty() { table.cell(columns.element) } else { guid };
         let activity = table.cell(Some(columns.activity));
@@ -54,41 +60,32 @@ pub(super) fn read(table: &mut Table, columns: Columns, all: &mut Collected) {
             continue;
         }
         let place = all.line(line);
-        let links = &mut all.links;
-        let next = links.activities.len() as u32;
-        let activity = match links.activities.get(activity) {
-            Some(&known) => known,
-            None => *links.activities.entry(activity.to_owned()).or_insert(next),
-        };
-        links.links.push(Link { element: element.to_owned(), activity, place });
+        let activity = all.links.activities.of(activity);
+        all.links.links.push(Link { element: element.to_owned(), activity, place });
     }
+    Ok(())
 }
 
 /// Gives every link's element to the first activity with its id; unknown ids are reported.
 pub(super) fn attach(all: &mut Collected) {
-    let Links { activities: ids, links } = std::mem::take(&mut all.links);
-    let mut target: Vec<Option<usize>> = vec![None; ids.len()];
+    let Links { activities: mut ids, links } = std::mem::take(&mut all.links);
+    if links.is_empty() {
+        return;
+    }
+    let mut target: HashMap<u32, usize> = HashMap::new();
     for (i, activity) in all.activities.iter().enumerate().rev() {
-        if let Some(&id) = ids.get(&activity.id) {
-            target[id as usize] = Some(i);
-        }
+        target.insert(ids.of(&activity.id), i);
     }
-    let mut names: Vec<&str> = vec![""; ids.len()];
-    for (name, &id) in &ids {
-        names[id as usize] = name;
-    }
+    let names = ids.texts();
     for Link { element, activity, place } in links {
-        if let Some(target) = target[activity as usize] {
+        if let Some(&target) = target.get(&activity) {
             all.activities[target].elements.push(element);
             all.sources.activities[target].links.push(place);
             continue;
         }
-        let (id, sources) = (names[activity as usize], &all.sources);
-        all.diagnostics.add(Severity::Warning, "unknown-activity", id, || {
-            let place = sources.describe(place);
-            format!(
-                "{place}: no activity has the id {id:?}, to which element {element:?} is linked"
-            )
+        let id = names[activity as usize];
+        all.report(Severity::Warning, "unknown-activity", id, place, || {
+            format!("no activity has the id {id:?}, to which element {element:?} is linked")
         });
     }
 }

@@ -1,33 +1,59 @@
 //! Readers: schedule files become one [`Schedule`].
 //!
-//! Each file adds to a [`Collected`]; links wait there until every file is read, so the order of
-//! the files does not matter to them.
+//! One reader a format, each in a file of its own, all of them a record at a time. Each file adds to
+//! a [`Collected`]; links wait there until every file is read, so the order of the files does not
+//! matter to them.
 
+mod collected;
 mod csv;
+mod csv_own;
 mod dates;
+mod dialect;
 mod error;
+mod ifc;
 mod json;
+mod json_project;
+mod json_scan;
 mod links;
+mod mspdi;
+mod mspdi_calendar;
+mod p6;
+mod p6_calendar;
+mod pmxml;
+mod step;
+mod table;
+mod tasklinks;
 mod text;
+mod xer;
+mod xml;
 
+pub use csv::Column;
+pub(crate) use csv_own::HEADINGS;
 pub use error::ReadError;
 pub use json::FORMAT;
+pub(crate) use json::SET_NAMES;
+pub(crate) use tasklinks::{read_predecessor, write_predecessor};
 
-use crate::sources::{Place, Source, Sources};
-use crate::{Activity, Diagnostics, Schedule, Severity, Time, TimeError};
+use crate::Schedule;
+use collected::Collected;
 use dates::DateReader;
 use std::path::{Path, PathBuf};
+use text::{Input, TextEncoding};
 
 /// How to read files that do not say it themselves.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct ReadOptions {
     /// Format of dates that are not ISO 8601, for example `%d-%m-%Y` or `%d.%m.%Y %H:%M`.
     pub date_format: Option<String>,
-    /// Encoding of CSV files that are not UTF-8, for example `windows-1252`.
+    /// Encoding of CSV and XER files that are not UTF-8, for example `windows-1252`.
     pub encoding: Option<String>,
+    /// What columns of CSV schedules mean, by their names in whatever case. Other columns mean what
+    /// their own names say.
+    pub columns: Vec<(String, Column)>,
 }
 
-/// Reads and merges schedules (topout JSON, CSV) and links files (CSV), in any order.
+/// Reads and merges schedules (topout JSON, CSV, Microsoft Project XML, Primavera P6 XER and XML,
+/// IFC) and links files (CSV), in any order.
 ///
 /// Problems in single activities, links and dates become [`Schedule::diagnostics`], each with file
 /// and line; the rest of the file counts. A file that says nothing usable is an error.
@@ -35,175 +61,80 @@ pub fn read_files(paths: &[PathBuf], options: &ReadOptions) -> Result<Schedule, 
     let dates = DateReader::new(options.date_format.as_deref())?;
     let mut all = Collected::default();
     for path in paths {
-        let bytes = text::read_bytes(path)?;
-        let is_json = looks_like_json(path, &bytes);
-        let encoding = options.encoding.as_deref().filter(|_| !is_json);
-        let text = text::decode(path, &bytes, encoding)?;
-        all.sources.files.push(path.display().to_string());
-        if is_json {
-            json::read(path, &text, &dates, &mut all)?;
-        } else {
-            csv::read(path, &text, &dates, &mut all)?;
-        }
+        read_input(&Input::file(path)?, options, &dates, &mut all)?;
     }
     all.finish()
 }
 
-/// By its extension, else by its first character.
-fn looks_like_json(path: &Path, bytes: &[u8]) -> bool {
-    let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
-    match extension.to_ascii_lowercase().as_str() {
-        "json" => true,
-        "csv" => false,
-        _ => {
-            let bytes = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes);
-            matches!(bytes.trim_ascii_start().first(), Some(b'{' | b'['))
+/// [`read_files`] for one file that is in memory; `name` stands for its path.
+pub fn read_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Schedule, ReadError> {
+    let dates = DateReader::new(options.date_format.as_deref())?;
+    let mut all = Collected::default();
+    read_input(&Input::bytes(name, bytes), options, &dates, &mut all)?;
+    all.finish()
+}
+
+fn read_input(
+    input: &Input,
+    options: &ReadOptions,
+    dates: &DateReader,
+    all: &mut Collected,
+) -> Result<(), ReadError> {
+    let head = input.head()?;
+    all.begin_file(input.path);
+    match Format::of(input.path, &head) {
+        Format::Json => json::read(input, dates, all),
+        Format::Csv => csv::read(input, options, dates, all),
+        Format::Xer => xer::read(input, options.encoding.as_deref(), all),
+        Format::Ifc => ifc::read(input, all),
+        Format::Xml => {
+            let encoding = match xml::declared_encoding(&head) {
+                Some(name) => TextEncoding::named(name)?,
+                None => TextEncoding::UTF_8,
+            };
+            let mut xml = xml::Xml::new(input.text(encoding)?);
+            match xml.root()? {
+                b"Project" => mspdi::read(&mut xml, all),
+                b"APIBusinessObjects" => pmxml::read(&mut xml, all),
+                root => {
+                    let root = String::from_utf8_lossy(root).into_owned();
+                    Err(xml.malformed(format!(
+                        "the root element is {root:?}; Microsoft Project writes \"Project\", \
+                         Primavera P6 \"APIBusinessObjects\""
+                    )))
+                }
+            }
         }
     }
 }
 
-/// What the files said, before it is validated.
-#[derive(Default)]
-struct Collected {
-    project: String,
-    start: Option<Time>,
-    end: Option<Time>,
-    fields: Vec<(String, String)>,
-    activities: Vec<Activity>,
-    sources: Sources,
-    links: links::Links,
-    /// Schedules among the files (not links files) in which no activity stands.
-    empty_files: Vec<usize>,
-    diagnostics: Diagnostics,
+#[derive(Clone, Copy)]
+enum Format {
+    Json,
+    Csv,
+    Xml,
+    Xer,
+    Ifc,
 }
 
-impl Collected {
-    /// Index of the file that is being read.
-    fn current_file(&self) -> usize {
-        self.sources.files.len().saturating_sub(1)
-    }
-
-    /// A line of the file that is being read.
-    fn line(&self, line: usize) -> Place {
-        Place::new(self.current_file(), line, 0)
-    }
-
-    /// Takes the value of a date; what is not one is reported and missing.
-    fn date(
-        &mut self,
-        read: Result<Time, TimeError>,
-        what: &str,
-        id: &str,
-        place: Place,
-    ) -> Option<Time> {
-        read.map_err(|error| {
-            let subject = if id.is_empty() { what } else { id };
-            self.diagnostics.add(Severity::Error, "bad-date", subject, || {
-                let of = if id.is_empty() { String::new() } else { format!(" of {id:?}") };
-                format!("{}: {what}{of}: {error}", self.sources.describe(place))
-            });
-        })
-        .ok()
-    }
-
-    /// The project's dates: from the earliest start of all files to the latest end.
-    fn extend_period(&mut self, start: Option<Time>, end: Option<Time>) {
-        self.start = self.start.into_iter().chain(start).min();
-        self.end = self.end.into_iter().chain(end).max();
-    }
-
-    /// Links, validates, and refuses what nothing can be made of.
-    fn finish(mut self) -> Result<Schedule, ReadError> {
-        links::attach(&mut self);
-        for &file in &self.empty_files {
-            let name = &self.sources.files[file];
-            self.diagnostics.add(Severity::Error, "empty-schedule", name, || {
-                format!("{name}: there is no activity in it")
-            });
+impl Format {
+    /// By what only one format begins with, else by the extension, else by the first character.
+    fn of(path: &Path, head: &str) -> Self {
+        let begins = |text: &str| head.get(..text.len()).is_some_and(|h| h == text);
+        let extension = path.extension().and_then(|e| e.to_str()).unwrap_or_default();
+        match extension.to_ascii_lowercase().as_str() {
+            _ if begins("ISO-10303-21") => Self::Ifc,
+            _ if begins("ERMHDR\t") => Self::Xer,
+            _ if begins("<?xml") || begins("<!DOCTYPE") || begins("<Project") => Self::Xml,
+            _ if begins("<APIBusinessObjects") => Self::Xml,
+            "json" => Self::Json,
+            "csv" => Self::Csv,
+            "xml" => Self::Xml,
+            "xer" => Self::Xer,
+            "ifc" => Self::Ifc,
+            _ if begins("{") || begins("[") => Self::Json,
+            _ if begins("<") => Self::Xml,
+            _ => Self::Csv,
         }
-        if let Some(name) = self.sources.files.first()
-            && self.activities.is_empty()
-            && self.empty_files.is_empty()
-        {
-            self.diagnostics.add(Severity::Error, "empty-schedule", name, || {
-                format!("{name}: there are links, but no schedule with the activities")
-            });
-        }
-        if let Some(bad) = self.diagnostics.get("bad-date")
-            && self.activities.iter().all(|a| a.dates().is_none())
-            && self.sources.activities.iter().any(|s| s.dates_reported)
-        {
-            return Err(ReadError::NoReadableDates { first: bad.message.clone() });
-        }
-        let mut schedule = Schedule::validate(
-            self.project,
-            (self.start, self.end),
-            self.activities,
-            self.sources,
-            self.diagnostics,
-        );
-        schedule.fields = self.fields;
-        Ok(schedule)
     }
-}
-
-/// The words of `active`; `None` if it is none of them.
-fn active_from_word(word: &str) -> Option<bool> {
-    match word.to_ascii_lowercase().as_str() {
-        "" | "true" | "1" | "yes" => Some(true),
-        "false" | "0" | "no" => Some(false),
-        _ => None,
-    }
-}
-
-impl Collected {
-    /// Adds an activity whose cells or values are texts; empty means not given.
-    fn add_activity(&mut self, texts: Texts, dates: &DateReader, place: Place) {
-        let Texts { id, name, start, end, kind, active, elements, fields, mut reported } = texts;
-        let given = |text: Option<String>| text.filter(|t| !t.trim().is_empty());
-        let mut date = |all: &mut Self, read: fn(&DateReader, &str) -> _, text, what| {
-            let text: String = given(text)?;
-            let found = all.date(read(dates, &text), what, &id, place);
-            reported |= found.is_none();
-            found
-        };
-        let start = date(self, DateReader::start, start, "start");
-        let end = date(self, DateReader::end, end, "end");
-        let kind = given(kind).map_or_else(Default::default, |word| {
-            crate::ActivityKind::from_word(word.trim()).unwrap_or_else(|| {
-                self.diagnostics.add(Severity::Warning, "unknown-kind", &id, || {
-                    let place = self.sources.describe(place);
-                    format!("{place}: kind {word:?} of {id:?} is unknown; taken as construct")
-                });
-                Default::default()
-            })
-        });
-        let active = given(active).is_none_or(|word| {
-            active_from_word(word.trim()).unwrap_or_else(|| {
-                self.diagnostics.add(Severity::Warning, "unknown-active", &id, || {
-                    let place = self.sources.describe(place);
-                    format!("{place}: active {word:?} of {id:?} is neither true nor false; taken as true")
-                });
-                true
-            })
-        });
-        self.activities.push(Activity { id, name, start, end, kind, active, elements, fields });
-        let source = Source { place, dates_reported: reported, links: Vec::new() };
-        self.sources.activities.push(source);
-    }
-}
-
-/// An activity as a file writes it.
-#[derive(Default)]
-struct Texts {
-    id: String,
-    name: String,
-    start: Option<String>,
-    end: Option<String>,
-    kind: Option<String>,
-    active: Option<String>,
-    elements: Vec<String>,
-    fields: Vec<(String, String)>,
-    /// Something was already said of its dates.
-    reported: bool,
 }

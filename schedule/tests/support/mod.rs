@@ -1,6 +1,8 @@
 //! Files on the way from a test to the readers.
 #![allow(dead_code, reason = "each test program uses its part")]
 
+pub mod fixtures;
+
 use std::path::PathBuf;
 use tempfile::TempDir;
 use topout_schedule::{Activity, ReadError, ReadOptions, Schedule, Time, read_files};
@@ -69,13 +71,19 @@ pub fn time(text: &str) -> Time {
     Time::parse_iso(text).expect("a date")
 }
 
+/// Reads bytes as a file of this name.
+pub fn read_as(name: &str, content: impl AsRef<[u8]>) -> Schedule {
+    topout_schedule::read_bytes(name.as_ref(), content.as_ref(), &ReadOptions::default())
+        .expect("a schedule")
+}
+
 /// The activity with an id.
 pub fn by_id<'a>(schedule: &'a Schedule, id: &str) -> &'a Activity {
     schedule.activities.iter().find(|a| a.id == id).expect("an activity with this id")
 }
 
 pub fn field<'a>(activity: &'a Activity, name: &str) -> Option<&'a str> {
-    activity.fields.iter().find(|(n, _)| n == name).map(|(_, v)| v.as_str())
+    activity.fields.iter().find(|(n, _)| **n == *name).map(|(_, v)| &**v)
 }
 
 /// Codes of what was found, each with its count.
