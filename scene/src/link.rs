@@ -5,9 +5,7 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
-use topout_schedule::{
-    Activity, ActivityKind, Behaviour, Diagnostics, Schedule, Severity, presence,
-};
+use topout_schedule::{Activity, Behaviour, Diagnostics, Kinds, Schedule, Severity, presence};
 
 /// Pairs of element and activity that are kept. A schedule that links the whole building to each
 /// of thousands of activities would otherwise fill the memory.
@@ -66,8 +64,7 @@ pub fn link(model: Model, schedule: Schedule) -> Scene {
     }
     activity_starts.push(at as u32);
     let activity_links: Vec<u32> = pairs.into_iter().map(|p| p.1).collect();
-    let (behaviours, element_behaviour) =
-        behaviours(&schedule.activities, &activity_starts, &activity_links);
+    let (behaviours, element_behaviour) = behaviours(&schedule, &activity_starts, &activity_links);
     let mut scene = Scene {
         model: Arc::new(model),
         schedule,
@@ -225,14 +222,18 @@ fn pairs(model: &Model, schedule: &Schedule, diagnostics: &mut Diagnostics) -> V
 }
 
 /// The behaviour of an element with these activities.
-pub(crate) fn presence_by_activities(activities: &[Activity], list: &[u32]) -> Behaviour {
-    presence(list.iter().map(|&a| &activities[a as usize]))
+pub(crate) fn presence_by_activities(
+    kinds: &Kinds,
+    activities: &[Activity],
+    list: &[u32],
+) -> Behaviour {
+    presence(kinds, list.iter().map(|&a| &activities[a as usize]))
 }
 
 /// Distinct behaviours and that of each element. Elements with the same activities share theirs,
 /// so presence is worked out once for each distinct list.
 fn behaviours(
-    activities: &[Activity],
+    schedule: &Schedule,
     starts: &[u32],
     links: &[u32],
 ) -> (Vec<Behaviour>, Vec<BehaviourId>) {
@@ -247,8 +248,10 @@ fn behaviours(
             })
         })
         .collect();
-    let worked_out: Vec<_> =
-        distinct.par_iter().map(|list| presence_by_activities(activities, list)).collect();
+    let worked_out: Vec<_> = distinct
+        .par_iter()
+        .map(|list| presence_by_activities(&schedule.kinds, &schedule.activities, list))
+        .collect();
     let mut known: HashMap<Behaviour, BehaviourId> = HashMap::new();
     let mut behaviours = Vec::new();
     let ids: Vec<BehaviourId> = worked_out
@@ -274,7 +277,7 @@ fn note_unlinked(scene: &mut Scene) {
     }
     for (a, (activity, touched)) in scene.schedule.activities.iter().zip(touched).enumerate() {
         // What says nothing of presence needs no element.
-        if !touched && activity.kind != ActivityKind::Neutral {
+        if !touched && !scene.schedule.kinds.of(activity.kind).is_neutral() {
             let Activity { id, name, .. } = activity;
             scene.link_diagnostics.add(Severity::Warning, "unlinked-activity", id.as_str(), || {
                 let place = scene.schedule.place(a);
@@ -297,7 +300,7 @@ fn note_unlinked(scene: &mut Scene) {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use topout_schedule::Time;
+    use topout_schedule::{ActivityKind, Time};
 
     fn element(name: &str, guid: Option<&str>, group: Option<u32>) -> Element {
         Element {
