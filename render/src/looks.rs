@@ -52,6 +52,14 @@ impl FrameLooks {
         Self { looks: Some(looks), through, ..Self::default() }
     }
 
+    /// Works everything out anew for the next frame: the scene has other dates.
+    pub fn forget_time(&mut self) {
+        self.time = None;
+        if let Some((_, _, at)) = &mut self.marked {
+            *at = None;
+        }
+    }
+
     /// What shines through.
     pub fn see_through(&self) -> &SeeThrough {
         &self.through

@@ -251,6 +251,7 @@ impl Renderer {
             self.set_scene(scene)?;
         }
         self.scene = Some(Arc::clone(scene));
+        self.looks.forget_time();
         let sent = match &mut self.pool {
             Some(pool) if self.hdlod.is_some() => pool.update_clusters(&self.gpu, hdlod, dirty),
             _ => false,
@@ -273,6 +274,7 @@ impl Renderer {
         }
         self.clear_hdlod();
         self.scene = Some(Arc::clone(scene));
+        self.looks.forget_time();
         Ok(())
     }
 

@@ -156,6 +156,10 @@ pub struct AppState {
     pub tolerance_px: f32,
     /// Whether clusters take their colour from their level.
     pub level_colors: bool,
+    /// Elements have the colours of what activities do to them.
+    pub activity_colors: bool,
+    /// Playing leaves out when nobody works.
+    pub skip_idle: bool,
     /// Where the light comes from.
     pub sun: Sun,
     /// Whether levels fade into each other.
@@ -203,6 +207,8 @@ impl AppState {
             mode: DrawMode::Hdlod,
             tolerance_px: 1.0,
             level_colors: false,
+            activity_colors: true,
+            skip_idle: false,
             sun: Sun::Fixed,
             fade: false,
             selected: None,
@@ -258,6 +264,7 @@ impl AppState {
             Command::Quit => self.effects.push(Effect::Close),
 
             Command::TogglePlay => self.toggle_play(),
+            Command::ToggleSkipIdle => self.skip_idle = !self.skip_idle,
             Command::StepDays(days) => {
                 self.playing = false;
                 self.set_clock(self.clock + (days * DAY) as f64);
@@ -288,6 +295,7 @@ impl AppState {
                     self.frames.clear();
                 }
             }
+            Command::ToggleActivityColors => self.activity_colors = !self.activity_colors,
             Command::ToggleLevelColors => self.level_colors = !self.level_colors,
             Command::ToggleFade => self.fade = !self.fade,
             Command::SetSun(sun) => self.sun = sun,
@@ -335,12 +343,24 @@ impl AppState {
         }
     }
 
+    /// Goes on to when somebody works, if nights and days off are left out.
+    fn skip_to_work(&mut self) {
+        let Some(project) = self.project.as_ref().filter(|_| self.skip_idle) else { return };
+        let Some(calendar) = project.scene.schedule.work_calendar() else { return };
+        match calendar.next_work(self.time()) {
+            Some(next) if next > self.time() => self.set_clock(next.seconds() as f64),
+            Some(_) => {}
+            None => self.set_clock(self.period().end.seconds() as f64),
+        }
+    }
+
     /// Lets time run on by `seconds` of the user's time.
     pub fn advance(&mut self, seconds: f64) {
         if !self.playing {
             return;
         }
         self.set_clock(self.clock + seconds * f64::from(self.speed) * DAY as f64);
+        self.skip_to_work();
         if self.time() >= self.period().end {
             self.playing = false;
         }

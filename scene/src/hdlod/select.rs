@@ -203,6 +203,7 @@ pub(crate) fn spans(
 
 #[cfg(test)]
 mod tests {
+    use super::super::Parents;
     use super::super::tests::{built, scene};
     use super::*;
     use glam::UVec2;
@@ -233,6 +234,50 @@ mod tests {
                 }
             }
             prop_assert_eq!(next, cut.spans.len());
+        }
+
+        /// What is drawn has the look of every element that it stands for, and without looks the cut is
+        /// the one that there always was.
+        #[test]
+        fn looks_are_never_mixed(
+            scene in scene(), time in 0i64..100, away in 1f32..30.0,
+            looks in proptest::collection::vec(0u16..3, 64),
+        ) {
+            let tree = built(&scene, Temporal::Tight);
+            let parents = Parents::of(&tree);
+            let view = View::fit(&scene.model.bounds(), 30.0, 20.0, away, UVec2::new(640, 360));
+            let time = Time::from_seconds(time);
+            let look = |e: ElementId| LookId(looks[e.index() % looks.len()]);
+            let all = (0..scene.model.elements.len() as u32).map(ElementId);
+            let marked: Vec<_> =
+                all.clone().map(|e| (e, look(e))).filter(|(_, l)| *l != LookId::OWN).collect();
+            let mut marks = Marks::default();
+            marks.set(&scene, &tree, &parents, &marked, time);
+            let cut = select_marked(&scene, &tree, &view, time, &marks);
+            let drawn_by = |cluster: u32| cut.drawn.iter().find(|d| d.cluster == cluster);
+            for element in all.filter(|&e| scene.behaviour(e).at(time)) {
+                let above = parents.above(Node::Leaf(element)).find_map(drawn_by);
+                let by_itself = cut.elements.contains(&element);
+                prop_assert!(by_itself != above.is_some());
+                let Some(drawn) = above else { continue };
+                let cluster = &tree.clusters[drawn.cluster as usize];
+                let size = view.error_px(cluster.bounds.diameter(), &cluster.bounds);
+                for span in &cut.spans[drawn.spans.clone()] {
+                    prop_assert!(span.look == look(element) || size <= view.tolerance_px);
+                }
+            }
+            marks.clear();
+            prop_assert_eq!(
+                select_marked(&scene, &tree, &view, time, &marks),
+                select(&scene, &tree, &view, time)
+            );
+            // All alike: the same cut in another colour.
+            let red: Vec<_> =
+                (0..scene.model.elements.len() as u32).map(|e| (ElementId(e), LookId(1))).collect();
+            marks.set(&scene, &tree, &parents, &red, time);
+            let cut = select_marked(&scene, &tree, &view, time, &marks);
+            prop_assert!(cut.spans.iter().all(|s| s.look == LookId(1)));
+            prop_assert_eq!(cut.drawn, select(&scene, &tree, &view, time).drawn);
         }
     }
 }
