@@ -33,7 +33,7 @@ fn different(a: &Picture, b: &Picture, by: u8) -> usize {
 
 /// Pixels that are clearly red.
 fn red(picture: &Picture) -> usize {
-    let is_red = |p: &&[u8]| p[0] > 60 && p[0] > 2 * p[1].max(p[2]);
+    let is_red = |p: &&[u8]| p[0] > 60 && p[0] / 2 > p[1].max(p[2]);
     picture.rgba.chunks(4).filter(is_red).count()
 }
 

@@ -732,6 +732,38 @@ mod tests {
     }
 
     #[test]
+    fn playing_can_leave_out_nights_and_days_off() {
+        let mut state = state();
+        let text = r#"{"calendars": [{"week": {"mon": ["08:00-12:00"], "wed": ["08:00-12:00"]}}],
+            "calendar": 0, "activities": [{"id": "A", "start": "2026-11-23", "end": "2026-12-02"}]}"#;
+        let options = topout_schedule::ReadOptions::default();
+        let schedule =
+            topout_schedule::read_bytes("a.json".as_ref(), text.as_bytes(), &options).unwrap();
+        let scene = topout_scene::link::link(topout_scene::Model::default(), schedule);
+        state.show_scene(Request::demo(), Arc::new(scene));
+        let at = |text: &str| Time::parse_iso(text).unwrap();
+        state.apply(Command::SetSpeed(1));
+        state.apply(Command::TogglePlay);
+        state.advance(0.25);
+        assert_eq!(state.time(), at("2026-11-23T06:00:00"));
+        state.apply(Command::ToggleSkipIdle);
+        state.advance(0.0);
+        assert_eq!(state.time(), at("2026-11-23T08:00:00"));
+        state.advance(0.25);
+        assert_eq!(state.time(), at("2026-11-25T08:00:00"), "a Wednesday");
+        state.advance(0.125);
+        assert_eq!(state.time(), at("2026-11-25T11:00:00"), "while somebody works time runs on");
+        state.advance(0.125);
+        assert_eq!(state.time(), at("2026-11-30T08:00:00"));
+        // Scrubbing shows what it is asked for.
+        state.apply(Command::JumpTo(at("2026-11-29T03:00:00")));
+        assert_eq!(state.time(), at("2026-11-29T03:00:00"));
+        state.apply(Command::JumpTo(at("2026-12-02T12:00:00")));
+        state.advance(0.001);
+        assert!(!state.playing && state.time() == state.period().end);
+    }
+
+    #[test]
     fn nothing_plays_without_a_period() {
         let mut state = state();
         state.apply(Command::TogglePlay);
