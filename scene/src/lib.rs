@@ -4,6 +4,7 @@
 //! Nothing here touches wgpu or egui.
 
 pub mod cache;
+pub mod check;
 pub mod demo;
 mod edit;
 pub mod export;
@@ -13,6 +14,7 @@ pub mod import;
 pub mod link;
 mod looks;
 mod optimizer;
+mod outliers;
 pub mod pick;
 mod progress;
 #[allow(clippy::module_inception)]
@@ -23,6 +25,7 @@ pub use edit::{EditError, Edited, Renumbering};
 pub use geometry::{Aabb, Layer, Mesh, Vertex, decode_normal, encode_normal};
 pub use hdlod::{Hdlod, Selection};
 pub use looks::{LookId, Looks};
+pub use outliers::{Outlier, outliers};
 pub use progress::{Cancelled, Progress};
 pub use scene::{
     BehaviourId, Element, ElementId, Group, GroupId, Instance, Material, MeshId, Model, Scene,

@@ -1,6 +1,6 @@
 //! The model (what stands where) and the scene (what stands when).
 
-use crate::{Aabb, Mesh};
+use crate::{Aabb, Mesh, outliers};
 use glam::{Affine3A, DVec3};
 use std::ops::Range;
 use std::sync::Arc;
@@ -190,15 +190,20 @@ impl Scene {
     }
 
     /// The box that the standard views fit: that of all elements which some activity touches, of
-    /// everything where none is touched.
+    /// everything where none is touched; without [`crate::outliers`].
     pub fn focus_bounds(&self) -> Aabb {
-        let touched = self
-            .model
-            .elements
-            .iter()
-            .enumerate()
-            .filter(|(i, _)| !self.activities_of(ElementId(*i as u32)).is_empty())
-            .fold(Aabb::EMPTY, |b, (_, e)| b.union(&e.bounds));
-        if touched.is_empty() { self.model.bounds() } else { touched }
+        let elements = &self.model.elements;
+        let solid = |id: &ElementId| !elements[id.index()].bounds.is_empty();
+        let all = || (0..elements.len() as u32).map(ElementId).filter(solid);
+        let mut shown: Vec<ElementId> =
+            all().filter(|id| !self.activities_of(*id).is_empty()).collect();
+        if shown.is_empty() {
+            shown = all().collect();
+        }
+        let mut outliers = outliers(elements, &shown).into_iter().map(|(id, _)| id).peekable();
+        shown
+            .into_iter()
+            .filter(|id| outliers.next_if_eq(id).is_none())
+            .fold(Aabb::EMPTY, |b, id| b.union(&elements[id.index()].bounds))
     }
 }

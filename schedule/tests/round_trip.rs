@@ -234,6 +234,14 @@ fn from_a_table_to_json_and_back() {
     assert_kept(&table).expect("the same");
 }
 
+/// Found by fuzzing: the separator was guessed from the heading of a field.
+#[test]
+fn a_field_called_like_a_row_of_separators() {
+    let mut table = csv("id,name,start,finish\nA,Walls,2026-03-03,2026-03-04\n");
+    table.activities[0].fields.push((";".repeat(60).into(), "1".into()));
+    assert_kept(&table).expect("the same");
+}
+
 #[test]
 fn times_outside_the_calendar_are_refused() {
     let period = TimeRange { start: Time::MIN, end: Time::MAX };
