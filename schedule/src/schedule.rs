@@ -3,8 +3,8 @@
 use crate::element_fields::retain;
 use crate::sources::Sources;
 use crate::{
-    Calendar, DateSet, DateSets, Dates, Diagnostics, ElementField, Predecessor, Severity, Time, TimeRange,
-    WbsNode,
+    Calendar, DateSet, DateSets, Dates, Diagnostics, ElementField, Predecessor, Severity, Time,
+    TimeRange, WbsNode,
 };
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;

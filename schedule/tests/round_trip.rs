@@ -381,6 +381,7 @@ fn real_files_are_kept() {
         "schependomlaan/planning_mspdi.xml",
         "schependomlaan/schedule.csv",
         "schependomlaan/schedule.json",
+        "schependomlaan/eventlog/Schependomlaan eventlog as planned data incl as built data.csv",
         "ifc4_task/construction_scheduling_task.ifc",
     ] {
         let schedule = topout_schedule::read_files(&[data.join(file)], &Default::default());
