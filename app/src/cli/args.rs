@@ -10,7 +10,7 @@ use std::str::FromStr;
 use topout_render::{DrawMode, Occlusion, Sun};
 use topout_scene::NamedView;
 use topout_scene::hdlod::{Simplifier, Temporal};
-use topout_schedule::Time;
+use topout_schedule::{DateSet, Time};
 
 /// See a building on any day of its construction.
 ///
@@ -35,7 +35,7 @@ impl Cli {
     /// What the viewer shall open: the demo project where neither model nor schedule is named.
     pub fn viewer_request(self) -> Request {
         if self.models.is_empty() && self.reading.schedule.is_empty() {
-            return Request::demo();
+            return Request { dates: self.reading.dates, ..Request::demo() };
         }
         self.reading.request(self.models)
     }
@@ -74,6 +74,11 @@ pub struct Reading {
     /// Text encoding of CSV and XER files, for example windows-1252 [default: UTF-8, else windows-1252].
     #[arg(long, value_name = "NAME")]
     pub encoding: Option<String>,
+
+    /// Which dates count: planned, actual, baseline or forecast [default: those the schedule says,
+    /// else actual, else planned, else forecast].
+    #[arg(long, value_name = "SET", value_parser = date_set)]
+    pub dates: Option<DateSet>,
 }
 
 impl Reading {
@@ -84,6 +89,7 @@ impl Reading {
             schedules: self.schedule.clone(),
             date_format: self.date_format.clone(),
             encoding: self.encoding.clone(),
+            dates: self.dates,
         }
     }
 }
@@ -184,6 +190,14 @@ pub struct Check {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub common: Common,
+
+    /// Say how much later one set of dates is than another, for example planned,actual.
+    #[arg(long, value_name = "FROM,TO", value_parser = two_date_sets, conflicts_with = "against")]
+    pub compare: Option<[DateSet; 2]>,
+
+    /// Say how much later the schedule is than this one.
+    #[arg(long, value_name = "SCHEDULE")]
+    pub against: Option<PathBuf>,
 }
 
 /// `topout bake`
@@ -530,6 +544,17 @@ fn png(text: &str) -> Result<PathBuf, String> {
     }
 }
 
+fn date_set(text: &str) -> Result<DateSet, String> {
+    DateSet::from_word(text.trim()).ok_or_else(|| {
+        format!("expected one of {}", DateSet::WORDS.map(|(word, _)| word).join(", "))
+    })
+}
+
+fn two_date_sets(text: &str) -> Result<[DateSet; 2], String> {
+    let (from, to) = text.split_once(',').ok_or("expected two sets such as planned,actual")?;
+    Ok([date_set(from)?, date_set(to)?])
+}
+
 fn date_format(text: String) -> Result<String, String> {
     let wrong = chrono::format::StrftimeItems::new(&text)
         .any(|item| matches!(item, chrono::format::Item::Error));
@@ -619,6 +644,7 @@ mod tests {
             "--eye 1,2,inf --target 1,2,3",
             "--date-format %Q",
             "--date-format d-m-y",
+            "--dates soon",
         ] {
             let line = format!("topout render demo --at 2026-05-04 -o a.png {wrong}");
             let kind = parse(&line).err().unwrap();
@@ -631,6 +657,29 @@ mod tests {
         assert!(parse("topout render demo --at 2026-05-04 -o a.jpg").is_err());
         assert!(parse("topout render demo -o a.png").is_err());
         assert!(parse("topout check").is_err());
+    }
+
+    #[test]
+    fn sets_of_dates_are_named() {
+        let dates = |line: &str| parse(line).unwrap().viewer_request().dates;
+        assert_eq!(dates("topout"), None);
+        assert_eq!(dates("topout --dates baseline"), Some(DateSet::Baseline));
+        assert_eq!(dates("topout a.glb --dates Actual"), Some(DateSet::Actual));
+        let check = |line: &str| match parse(&format!("topout check demo {line}")).unwrap().command
+        {
+            Some(Command::Check(args)) => args,
+            other => panic!("{other:?}"),
+        };
+        let args = check("--compare planned,forecast");
+        assert_eq!(args.compare, Some([DateSet::Planned, DateSet::Forecast]));
+        assert_eq!(check("--against old.xer").against, Some("old.xer".into()));
+        for (wrong, kind) in [
+            ("--compare planned", ErrorKind::ValueValidation),
+            ("--compare planned,soon", ErrorKind::ValueValidation),
+            ("--compare planned,actual --against a.csv", ErrorKind::ArgumentConflict),
+        ] {
+            assert_eq!(parse(&format!("topout check demo {wrong}")).err(), Some(kind), "{wrong}");
+        }
     }
 
     #[test]
