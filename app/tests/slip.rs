@@ -96,8 +96,10 @@ fn the_event_log_of_a_real_house() {
     };
     let folder = PathBuf::from(root).join("schependomlaan");
     let log = "eventlog/Schependomlaan eventlog as planned data incl as built data.csv";
-    let [model, log] = [folder.join("schependomlaan.glb"), folder.join(log)].map(|p| text(&p));
-    let report = topout(["check", &model, "--schedule", &log, "--json", "-"]).good_json();
+    let files = ["schependomlaan.glb", log, "links.csv"];
+    let [model, log, links] = files.map(|name| text(&folder.join(name)));
+    let line = ["check", &model, "--schedule", &log, "--schedule", &links, "--json", "-"];
+    let report = topout(line).good_json();
     assert_eq!(
         (number(&report, "activities"), number(&report, "unlinked_activities")),
         (72.0, 0.0)

@@ -154,8 +154,9 @@ impl Schedule {
     ///
     /// Ids are unique afterwards: of several activities with one id the first stays. Activities
     /// without an id are left out, those without usable dates stay but have no [`Activity::dates`].
-    /// No activity names an element twice, and element fields have a value an element. Without a period, or with one that ends before it
-    /// starts, the period runs from the first start to the last end of the usable dates.
+    /// No activity names an element twice, and element fields have a value an element. Without a
+    /// period, or with one that ends before it starts, the period runs from the first start to the
+    /// last end of the usable dates.
     pub fn new(
         project: String,
         period: Option<TimeRange>,

@@ -124,6 +124,26 @@ fn elements_of_links_files_have_empty_values() {
     assert_says(&schedule.element_place(0, 2), &["links.csv", "line 3"]);
 }
 
+/// Where log and model name elements differently, a links file says which is which.
+#[test]
+fn elements_of_a_log_get_the_names_of_the_model() {
+    let log = "guid,task,start,finish,flag\nL1,T,2015-02-01,2015-02-02,a\n\
+               L2,T,2015-02-01,2015-02-02,b\nL1,U,2015-02-01,2015-02-02,c\n";
+    let links = "guid,activity_id,log_guid\nM2,T,L2\nM1,T,L1\nM3,T,L3\nM4,T,L1\nM5,U,\n";
+    for files in [
+        Files::new().add("log.csv", log).add("links.csv", links),
+        Files::new().add("log.csv", log).add("links.csv", links).reversed(),
+    ] {
+        let schedule = files.read();
+        let task = by_id(&schedule, "T");
+        assert_eq!(task.elements, ["M1", "M2", "M3", "M4"]);
+        assert_eq!(values(task, "flag"), Some(vec!["a", "b", "", ""]));
+        assert_eq!(by_id(&schedule, "U").elements, ["L1", "M5"]);
+        assert_says(&schedule.element_place(0, 0), &["links.csv", "line 3"]);
+        assert_says(&schedule.element_place(0, 2), &["links.csv", "line 4"]);
+    }
+}
+
 #[test]
 fn dates_that_cannot_be_read_are_said() {
     let log = "guid,task,start,finish\nW1,T,2015-02-31,2015-02-02\nW2,U,2015-02-01,2015-02-02\n";

@@ -185,6 +185,12 @@ fn flags_of_schependomlaan() {
     assert_eq!(&*flags.name, "Element on time or not");
     assert_eq!(flags.totals, Totals { earlier: 0, on_time: 3467, later: 194, missing: 0 });
     assert_eq!(flags.activities.iter().filter(|a| a.totals.later > 0).count(), 8);
+    // The model has other GUIDs; the links say which is which, and the flags stay.
+    let log = folder.join("Schependomlaan eventlog as planned data incl as built data.csv");
+    let files = [log, data.join("schependomlaan/links.csv")];
+    let linked = read_files(&files, &Default::default()).expect("a log with links");
+    let found = Comparison::of_flags(&linked).expect("flags");
+    assert_eq!((found.totals.later, found.totals.on_time), (194, 3467));
     // The dates of both logs are the plan's.
     let plan = read("eventlog IFC schependomlaan.csv");
     assert_eq!(Comparison::of_flags(&plan), None);
