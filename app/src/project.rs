@@ -8,7 +8,7 @@ use std::panic::resume_unwind;
 use std::path::PathBuf;
 use std::str::FromStr;
 use topout_scene::{Cancelled, Model, Progress, Scene, demo, import, link};
-use topout_schedule::{Column, Diagnostics, ReadOptions, Schedule, Severity};
+use topout_schedule::{Column, DateSet, Diagnostics, ReadOptions, Schedule, Severity};
 
 /// Where a model comes from.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -72,12 +72,21 @@ pub struct Request {
     pub columns: Vec<(String, Column)>,
     /// The field that says the kinds of activities.
     pub kind_field: Option<String>,
+    /// Which dates count; those that the schedules say when `None`.
+    pub dates: Option<DateSet>,
 }
 
 impl Request {
     /// The built-in skyscraper with its own schedule.
     pub fn demo() -> Self {
         Self { models: vec![Source::Demo], ..Self::default() }
+    }
+
+    fn by_dates(&self, schedule: Schedule) -> Schedule {
+        match self.dates {
+            Some(set) => schedule.show(set),
+            None => schedule,
+        }
     }
 }
 
@@ -130,7 +139,7 @@ fn load_parts(
     progress.check()?;
     let (models, own_schedule) = models;
     let schedule = if request.schedules.is_empty() {
-        own_schedule.unwrap_or_default()
+        request.by_dates(own_schedule.unwrap_or_default())
     } else {
         match schedule {
             Ok(schedule) => schedule,
@@ -195,7 +204,7 @@ fn read_schedules(request: &Request) -> anyhow::Result<Schedule> {
         columns: request.columns.clone(),
         kind_field: request.kind_field.clone(),
     };
-    Ok(topout_schedule::read_files(&request.schedules, &options)?)
+    Ok(request.by_dates(topout_schedule::read_files(&request.schedules, &options)?))
 }
 
 #[cfg(test)]

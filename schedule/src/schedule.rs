@@ -1,9 +1,10 @@
 //! Activities and the schedule that holds them.
 
-use crate::sources::{Place, Sources};
+use crate::element_fields::retain;
+use crate::sources::Sources;
 use crate::{
-    ActivityKind, Calendar, DateSet, DateSets, Dates, Diagnostics, Kinds, Predecessor, Severity,
-    Time, TimeRange, WbsNode,
+    ActivityKind, Calendar, DateSet, DateSets, Dates, Diagnostics, ElementField, Kinds,
+    Predecessor, Severity, Time, TimeRange, WbsNode,
 };
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -41,6 +42,8 @@ pub struct Activity {
     pub predecessors: Vec<Predecessor>,
     /// Node names or guids of elements or groups.
     pub elements: Vec<String>,
+    /// What the file said of single elements, in their order.
+    pub element_fields: Vec<ElementField>,
     /// Everything else the file said: activity codes, user fields, unknown columns.
     pub fields: Fields,
 }
@@ -62,6 +65,7 @@ impl Default for Activity {
             calendar: None,
             predecessors: Vec::new(),
             elements: Vec::new(),
+            element_fields: Vec::new(),
             fields: Vec::new(),
         }
     }
@@ -116,8 +120,9 @@ impl Schedule {
     ///
     /// Ids are unique afterwards: of several activities with one id the first stays. Activities
     /// without an id are left out, those without usable dates stay but have no [`Activity::dates`].
-    /// No activity names an element twice. Without a period, or with one that ends before it
-    /// starts, the period runs from the first start to the last end of the usable dates.
+    /// No activity names an element twice, and element fields have a value an element. Without a
+    /// period, or with one that ends before it starts, the period runs from the first start to the
+    /// last end of the usable dates.
     pub fn new(
         project: String,
         period: Option<TimeRange>,
@@ -140,7 +145,14 @@ impl Schedule {
         let keep = unique_ids(&self.activities, &self.sources, &mut self.diagnostics);
         for (i, activity) in self.activities.iter_mut().enumerate().filter(|&(i, _)| keep[i]) {
             let source = self.sources.activities.get_mut(i);
-            remove_repeats(&mut activity.elements, source.map(|s| &mut s.links));
+            let longer = activity.fit_element_fields();
+            activity.remove_repeats(source.map(|s| &mut s.links));
+            if let Some(name) = longer {
+                let (place, id) = (self.sources.of_activity(i), &activity.id);
+                self.diagnostics.add(Severity::Warning, "lost-values", id, || {
+                    format!("{place}: {name:?} of {id:?} has more values than there are elements")
+                });
+            }
             check_dates(activity, i, &self.sources, &mut self.diagnostics);
         }
         self.check_references(&keep);
@@ -284,6 +296,7 @@ impl Schedule {
             + size_of_val(&self.wbs[..])
             + self.wbs.iter().map(node).sum::<usize>()
             + self.sources.bytes()
+            + ElementField::bytes(self.activities.iter().flat_map(|a| &a.element_fields))
     }
 
     /// Where an activity stands, in words: file and line, or its number if it comes from no file.
@@ -405,26 +418,4 @@ fn check_dates(
             });
         }
     }
-}
-
-/// Removes empty names and all but the first of equal ones, and with them the places of those that
-/// links gave, which are the last.
-fn remove_repeats(names: &mut Vec<String>, links: Option<&mut Vec<Place>>) {
-    let mut seen = HashSet::with_capacity(names.len());
-    let keep: Vec<bool> =
-        names.iter().map(|name| !name.is_empty() && seen.insert(name.as_str())).collect();
-    if keep.iter().all(|&k| k) {
-        return;
-    }
-    retain(names, &keep);
-    if let Some(links) = links {
-        let own = keep.len().saturating_sub(links.len());
-        retain(links, &keep[own..]);
-    }
-}
-
-/// Keeps what `keep` says, which is as long or longer.
-fn retain<T>(items: &mut Vec<T>, keep: &[bool]) {
-    let mut keep = keep.iter();
-    items.retain(|_| *keep.next().expect("one answer an item"));
 }

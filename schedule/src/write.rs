@@ -1,7 +1,7 @@
 //! Writing topout JSON.
 
 use crate::read::SET_NAMES;
-use crate::{Activity, DateSet, FORMAT, Fields, Predecessor, Schedule, Time};
+use crate::{Activity, DateSet, ElementField, FORMAT, Fields, Predecessor, Schedule, Time};
 use serde_json::value::RawValue;
 use std::io::{Error, ErrorKind, Result, Write};
 use std::sync::Arc;
@@ -63,6 +63,7 @@ impl Schedule {
         rest.write("wbs", activity.wbs.map(|n| n.to_string()))?;
         rest.write("calendar", activity.calendar.map(|c| c.to_string()))?;
         rest.write("predecessors", self.predecessors_as_json(&activity.predecessors)?)?;
+        rest.write("element_fields", element_fields(&activity.element_fields)?)?;
         out.write_all(b", \"elements\": [")?;
         for (i, element) in activity.elements.iter().enumerate() {
             out.write_all(if i == 0 { b"" } else { b", " })?;
@@ -119,6 +120,15 @@ impl<W: Write> Members<'_, W> {
             None => Ok(()),
         }
     }
+}
+
+/// What is said of single elements, as a list of names with their values.
+pub(crate) fn element_fields(fields: &[ElementField]) -> Result<Option<String>> {
+    list(fields.iter().map(|field| {
+        let values: Vec<&str> = field.values.iter().map(|v| &**v).collect();
+        let values = serde_json::to_string(&values)?;
+        Ok(format!("{{\"name\": {}, \"values\": {values}}}", text(&field.name)?))
+    }))
 }
 
 /// A list, unless it is empty.

@@ -1,7 +1,7 @@
 //! Writing topout's own tables.
 
 use crate::read::{HEADINGS, read_predecessor, write_predecessor};
-use crate::write::{date, text};
+use crate::write::{date, element_fields, text};
 use crate::{Activity, DateSet, Fields, Schedule, Time};
 use std::collections::HashMap;
 use std::io::{Result, Write};
@@ -76,13 +76,19 @@ impl Schedule {
             let dates = activity.date_sets[set];
             row.extend([cell(dates.start)?, cell(dates.end)?]);
         }
-        match columns.cells(&activity.fields) {
-            Some(cells) => {
-                row.push(String::new());
-                row.extend(cells);
+        let cells = columns.cells(&activity.fields);
+        let fields = match cells {
+            Some(_) => None,
+            None => Some(pairs(&activity.fields)?),
+        };
+        row.push(match (fields, element_fields(&activity.element_fields)?) {
+            (fields, None) => fields.unwrap_or_default(),
+            (None, Some(of_elements)) => format!("{{\"element_fields\": {of_elements}}}"),
+            (Some(fields), Some(of_elements)) => {
+                format!("{{\"fields\": {fields}, \"element_fields\": {of_elements}}}")
             }
-            None => row.push(pairs(&activity.fields)?),
-        }
+        });
+        row.extend(cells.into_iter().flatten());
         Ok(row)
     }
 

@@ -6,8 +6,9 @@ use proptest::prelude::*;
 use serde_json::Value;
 use support::*;
 use topout_schedule::{
-    Activity, ActivityKind, Calendar, CalendarException, DateSet, Dates, FORMAT, Fields, Kind,
-    Kinds, Lag, LinkKind, Look, Phase, Predecessor, Schedule, Shift, Time, TimeRange, WbsNode,
+    Activity, ActivityKind, Calendar, CalendarException, DateSet, Dates, ElementField, FORMAT,
+    Fields, Kind, Kinds, Lag, LinkKind, Look, Phase, Predecessor, Schedule, Shift, Time, TimeRange,
+    WbsNode,
 };
 
 fn written(schedule: &Schedule) -> String {
@@ -54,6 +55,7 @@ fn any_fields() -> impl Strategy<Value = Fields> {
         "kind",
         "kinds",
         "data_date",
+        "element_fields",
         "data",
         "topout",
     ];
@@ -147,6 +149,15 @@ prop_compose! {
 }
 
 prop_compose! {
+    fn any_element_field()(
+        name in any_text(),
+        values in prop::collection::vec(any_text(), 0..6),
+    ) -> ElementField {
+        ElementField { name: name.into(), values: values.into_iter().map(Into::into).collect() }
+    }
+}
+
+prop_compose! {
     fn any_activity()(
         id in "[A-Z0-9]{1,3}|[A-C:;FS+\\[ ]{1,6}|\\PC{1,5}",
         name in any_text(),
@@ -159,11 +170,12 @@ prop_compose! {
         (wbs, calendar) in prop::option::of((0u32..5, 0u32..3)).prop_map(Option::unzip),
         predecessors in prop::collection::vec(any_predecessor(), 0..3),
         elements in prop::collection::vec(any_text(), 0..5),
+        element_fields in prop::collection::vec(any_element_field(), 0..3),
         fields in any_fields(),
     ) -> Activity {
         let mut activity = Activity {
             id, name, start, end, kind, active, milestone, percent_complete, wbs, calendar,
-            predecessors, elements, fields, ..Activity::default()
+            predecessors, elements, element_fields, fields, ..Activity::default()
         };
         for ((_, set), dates) in DateSet::WORDS.into_iter().zip(sets) {
             activity.date_sets[set] = dates;
@@ -301,6 +313,7 @@ fn the_schema_names_what_is_read_and_written() {
             "baseline_end",
             "baseline_start",
             "calendar",
+            "element_fields",
             "elements",
             "end",
             "finish",
@@ -329,6 +342,8 @@ fn the_schema_names_what_is_read_and_written() {
         percent_complete: Some(33.5),
         wbs: Some(0),
         calendar: Some(0),
+        elements: vec!["W".into()],
+        element_fields: vec![ElementField { name: "late".into(), values: vec!["no".into()] }],
         ..Activity::default()
     };
     for (_, set) in DateSet::WORDS {
@@ -360,6 +375,7 @@ fn the_schema_names_what_is_read_and_written() {
     named(&value, &schema);
     named(&value["activities"][1], &parts["activity"]);
     named(&value["activities"][1]["predecessors"][0], &parts["predecessor"]);
+    named(&value["activities"][1]["element_fields"][0], &parts["element_field"]);
     named(&value["wbs"][1], &parts["summary"]);
     named(&value["kinds"][0], &parts["own_kind"]);
     named(&value["kinds"][0]["during"], &parts["look"]);
@@ -416,6 +432,7 @@ fn real_files_are_kept() {
         "schependomlaan/planning_mspdi.xml",
         "schependomlaan/schedule.csv",
         "schependomlaan/schedule.json",
+        "schependomlaan/eventlog/Schependomlaan eventlog as planned data incl as built data.csv",
         "ifc4_task/construction_scheduling_task.ifc",
     ] {
         let schedule = topout_schedule::read_files(&[data.join(file)], &Default::default());

@@ -190,6 +190,9 @@ pub fn command(request: &Request, plan: &Plan, more: &[&str]) -> String {
             option(name, value.clone());
         }
     }
+    if let Some(set) = request.dates {
+        option("--dates", set.word().to_owned());
+    }
     option("--size", format!("{}x{}", plan.size.x, plan.size.y));
     option("--tolerance", plan.tolerance_px.to_string());
     words.extend(more.iter().map(|word| (*word).to_owned()));

@@ -10,7 +10,7 @@ use std::str::FromStr;
 use topout_render::{DrawMode, Occlusion, Sun};
 use topout_scene::NamedView;
 use topout_scene::hdlod::{Simplifier, Temporal};
-use topout_schedule::{Column, Time};
+use topout_schedule::{Column, DateSet, Time};
 
 /// See a building on any day of its construction.
 ///
@@ -35,7 +35,7 @@ impl Cli {
     /// What the viewer shall open: the demo project where neither model nor schedule is named.
     pub fn viewer_request(self) -> Request {
         if self.models.is_empty() && self.reading.schedule.is_empty() {
-            return Request::demo();
+            return Request { dates: self.reading.dates, ..Request::demo() };
         }
         self.reading.request(self.models)
     }
@@ -82,6 +82,11 @@ pub struct Reading {
     /// The user-defined field or activity code that says the kinds of activities.
     #[arg(long, value_name = "FIELD")]
     pub kind_field: Option<String>,
+
+    /// Which dates count: planned, actual, baseline or forecast [default: those the schedule says,
+    /// else actual, else planned, else forecast].
+    #[arg(long, value_name = "SET", value_parser = date_set)]
+    pub dates: Option<DateSet>,
 }
 
 /// `start=Begin`.
@@ -103,6 +108,7 @@ impl Reading {
             encoding: self.encoding.clone(),
             columns: self.columns.clone(),
             kind_field: self.kind_field.clone(),
+            dates: self.dates,
         }
     }
 }
@@ -207,6 +213,14 @@ pub struct Check {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub common: Common,
+
+    /// Say how much later one set of dates is than another, for example planned,actual.
+    #[arg(long, value_name = "FROM,TO", value_parser = two_date_sets, conflicts_with = "against")]
+    pub compare: Option<[DateSet; 2]>,
+
+    /// Say how much later the schedule is than this one.
+    #[arg(long, value_name = "SCHEDULE")]
+    pub against: Option<PathBuf>,
 }
 
 /// `topout bake`
@@ -562,6 +576,17 @@ fn png(text: &str) -> Result<PathBuf, String> {
     }
 }
 
+fn date_set(text: &str) -> Result<DateSet, String> {
+    DateSet::from_word(text.trim()).ok_or_else(|| {
+        format!("expected one of {}", DateSet::WORDS.map(|(word, _)| word).join(", "))
+    })
+}
+
+fn two_date_sets(text: &str) -> Result<[DateSet; 2], String> {
+    let (from, to) = text.split_once(',').ok_or("expected two sets such as planned,actual")?;
+    Ok([date_set(from)?, date_set(to)?])
+}
+
 fn date_format(text: String) -> Result<String, String> {
     let wrong = chrono::format::StrftimeItems::new(&text)
         .any(|item| matches!(item, chrono::format::Item::Error));
@@ -651,6 +676,7 @@ mod tests {
             "--eye 1,2,inf --target 1,2,3",
             "--date-format %Q",
             "--date-format d-m-y",
+            "--dates soon",
         ] {
             let line = format!("topout render demo --at 2026-05-04 -o a.png {wrong}");
             let kind = parse(&line).err().unwrap();
@@ -663,6 +689,29 @@ mod tests {
         assert!(parse("topout render demo --at 2026-05-04 -o a.jpg").is_err());
         assert!(parse("topout render demo -o a.png").is_err());
         assert!(parse("topout check").is_err());
+    }
+
+    #[test]
+    fn sets_of_dates_are_named() {
+        let dates = |line: &str| parse(line).unwrap().viewer_request().dates;
+        assert_eq!(dates("topout"), None);
+        assert_eq!(dates("topout --dates baseline"), Some(DateSet::Baseline));
+        assert_eq!(dates("topout a.glb --dates Actual"), Some(DateSet::Actual));
+        let check = |line: &str| match parse(&format!("topout check demo {line}")).unwrap().command
+        {
+            Some(Command::Check(args)) => args,
+            other => panic!("{other:?}"),
+        };
+        let args = check("--compare planned,forecast");
+        assert_eq!(args.compare, Some([DateSet::Planned, DateSet::Forecast]));
+        assert_eq!(check("--against old.xer").against, Some("old.xer".into()));
+        for (wrong, kind) in [
+            ("--compare planned", ErrorKind::ValueValidation),
+            ("--compare planned,soon", ErrorKind::ValueValidation),
+            ("--compare planned,actual --against a.csv", ErrorKind::ArgumentConflict),
+        ] {
+            assert_eq!(parse(&format!("topout check demo {wrong}")).err(), Some(kind), "{wrong}");
+        }
     }
 
     #[test]

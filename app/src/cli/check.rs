@@ -1,7 +1,8 @@
 //! `topout check`: what loads, what is linked, what is wrong.
 
+use super::slip::{FlagsReport, SlipReport};
 use super::{Outcome, args, terminal};
-use crate::project;
+use crate::project::{self, Request};
 use crate::report::{Output, columns, count};
 use serde::Serialize;
 use serde_json::{Map, Value};
@@ -9,7 +10,7 @@ use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::sync::Arc;
 use topout_scene::{ElementId, Progress, Scene};
-use topout_schedule::{Diagnostic, Preset, Severity};
+use topout_schedule::{Comparison, Diagnostic, Preset, Severity};
 
 /// The keys that scripts read.
 #[derive(Serialize, Debug)]
@@ -31,6 +32,12 @@ pub struct Report {
     start: Option<String>,
     finish: Option<String>,
     behaviours: Map<String, Value>,
+    /// What `--compare` or `--against` asks for.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slip: Option<SlipReport>,
+    /// What an event log says of its elements.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    flags: Option<FlagsReport>,
     diagnostics: Vec<Diagnostic>,
 }
 
@@ -38,14 +45,44 @@ pub struct Report {
 pub fn run(args: &args::Check) -> anyhow::Result<Outcome> {
     let output = Output::new(args.common.json.clone());
     let progress = Arc::new(Progress::default());
-    let scene = {
+    let (scene, slip) = {
         let _line = terminal::ProgressLine::show(&progress);
-        project::load_what_can_be(&args.common.request(), &progress)?
+        let scene = project::load_what_can_be(&args.common.request(), &progress)?;
+        let slip = slip(args, &scene, &progress)?;
+        (scene, slip)
     };
-    let report = Report::of(&scene);
+    let report = Report { slip, ..Report::of(&scene) };
     output.say(&report.text());
     output.write(&report)?;
     Ok(if scene.diagnostics.has_errors() { Outcome::BadData } else { Outcome::Fine })
+}
+
+/// What is asked for: one set of dates beside another, or the schedule beside another one.
+fn slip(
+    args: &args::Check,
+    scene: &Scene,
+    progress: &Progress,
+) -> anyhow::Result<Option<SlipReport>> {
+    let schedule = &scene.schedule;
+    if let Some([from, to]) = args.compare {
+        let found = Comparison::of_sets(schedule, from, to);
+        let names = [from, to].map(|set| set.word().to_owned());
+        let [from, to] = names;
+        return Ok(Some(SlipReport::of(&found, schedule, from, to)));
+    }
+    let Some(against) = &args.against else { return Ok(None) };
+    let request = args.common.request();
+    let given = |paths: &[std::path::PathBuf]| {
+        paths.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
+    };
+    let to = match request.schedules.is_empty() {
+        true => "the model's own schedule".to_owned(),
+        false => given(&request.schedules),
+    };
+    let request = Request { schedules: vec![against.clone()], ..request };
+    let older = project::load_schedule(&request, progress)?;
+    let found = Comparison::of_schedules(&older, schedule);
+    Ok(Some(SlipReport::of(&found, schedule, given(&request.schedules), to)))
 }
 
 impl Report {
@@ -77,6 +114,9 @@ impl Report {
             start: period.map(|p| p.start.to_string()),
             finish: period.map(|p| p.end.to_string()),
             behaviours: behaviours(scene),
+            slip: None,
+            flags: Comparison::of_flags(&scene.schedule)
+                .map(|flags| FlagsReport::of(&flags, &scene.schedule)),
             diagnostics: scene.diagnostics.iter().cloned().collect(),
         }
     }
@@ -125,6 +165,8 @@ impl Report {
             }
         }
         text.push_str(&columns(&rows));
+        text.extend(self.slip.iter().map(SlipReport::text));
+        text.extend(self.flags.iter().map(FlagsReport::text));
         text.push_str(&self.findings());
         text
     }

@@ -7,6 +7,7 @@ mod cache;
 mod check;
 mod demo;
 mod render;
+mod slip;
 mod stage;
 mod table;
 mod terminal;

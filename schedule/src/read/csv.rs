@@ -1,4 +1,4 @@
-//! Tables: schedules and links files as CSV.
+//! Tables: schedules, links files and event logs as CSV.
 
 use super::collected::{Collected, Texts};
 use super::csv_own::Own;
@@ -7,7 +7,7 @@ use super::dialect::DateOrder;
 use super::error::ReadError;
 use super::table::{Header, Table};
 use super::text::{Input, TextEncoding};
-use super::{ReadOptions, links, read_predecessor};
+use super::{ReadOptions, links, log, read_predecessor};
 use crate::{Activity, DateSet, Severity, WbsNode};
 use encoding_rs::UTF_8;
 use std::collections::HashMap;
@@ -136,14 +136,24 @@ pub(super) fn read(
     if Own::is(&table.header) {
         return Own::read(&mut table, all);
     }
-    if let Some(columns) = links::Columns::find(&table.header) {
+    let links = links::Columns::find(&table.header);
+    let log = match options.columns.is_empty() {
+        true => log::Columns::find(&table.header, all),
+        false => None,
+    };
+    let guess_dates = |columns: &[usize], all: &mut Collected| match options.date_format {
+        Some(_) => Ok(None),
+        None => guess_dates(input, encoding, columns, all),
+    };
+    if let Some(columns) = log.filter(|log| links.is_none() || log.has_names()) {
+        let guess = guess_dates(&columns.dates(), all)?;
+        return log::read(input.path, &mut table, &columns, guess.as_ref().unwrap_or(dates), all);
+    }
+    if let Some(columns) = links {
         return links::read(&mut table, columns, all);
     }
     let columns = Columns::find(input, &table.header, options, all)?;
-    let guess = match options.date_format {
-        Some(_) => None,
-        None => guess_dates(input, encoding, &columns, all)?,
-    };
+    let guess = guess_dates(&columns.dates(), all)?;
     let dates = guess.as_ref().unwrap_or(dates);
     let mut outline = Outline::default();
     while let Some(line) = table.next(all)? {
@@ -163,7 +173,7 @@ fn report_guess(all: &mut Collected, code: &'static str, message: impl FnOnce() 
 fn guess_dates(
     input: &Input,
     encoding: TextEncoding,
-    columns: &Columns,
+    columns: &[usize],
     all: &mut Collected,
 ) -> Result<Option<DateReader>, ReadError> {
     let mut table = Table::open(input, encoding)?;
@@ -173,11 +183,8 @@ fn guess_dates(
     let mut unsaid = Collected::default();
     while (rows < SAMPLE_ROWS || order.matters()) && table.next(&mut unsaid)?.is_some() {
         rows += 1;
-        for (at, column) in &columns.columns {
-            use Column::{End, EndOf, Start, StartOf};
-            if matches!(column, Start | End | StartOf(_) | EndOf(_)) {
-                order.see(table.cell(Some(*at)));
-            }
+        for &at in columns {
+            order.see(table.cell(Some(at)));
         }
     }
     let Some((format, words, example)) = order.proven() else { return Ok(None) };
@@ -248,6 +255,13 @@ impl Columns {
         let fields = columns.iter().filter(|(_, c)| *c == Column::Field);
         let names = fields.map(|&(at, _)| (at, all.name(&header.0[at]))).collect();
         Ok(Self { columns, names, choose })
+    }
+
+    /// The columns that hold dates.
+    fn dates(&self) -> Vec<usize> {
+        use Column::{End, EndOf, Start, StartOf};
+        let dates = |c: &Column| matches!(c, Start | End | StartOf(_) | EndOf(_));
+        self.columns.iter().filter(|(_, c)| dates(c)).map(|&(at, _)| at).collect()
     }
 
     fn read_row(

@@ -9,7 +9,7 @@ use super::error::ReadError;
 use super::json::predecessor;
 use super::read_predecessor;
 use super::table::{Header, Table};
-use crate::{Activity, Calendar, Kind, Severity, WbsNode};
+use crate::{Activity, Calendar, ElementField, Kind, Severity, WbsNode};
 use serde_json::value::RawValue;
 use std::sync::Arc;
 
@@ -44,6 +44,26 @@ const SETS: usize = 13;
 
 /// Fields as `data` holds them.
 type Pairs = Vec<(String, String)>;
+
+/// What is said of single elements, as `data` holds it.
+#[derive(serde::Deserialize)]
+struct ElementFieldText {
+    name: String,
+    values: Vec<String>,
+}
+
+/// What an activity's row holds in `data`: fields, unless they have columns, and what is said of
+/// single elements. Without the latter the fields may stand there alone.
+#[derive(serde::Deserialize)]
+#[serde(untagged)]
+enum ActivityData {
+    Fields(Pairs),
+    Both {
+        fields: Option<Pairs>,
+        #[serde(default)]
+        element_fields: Vec<ElementFieldText>,
+    },
+}
 
 /// What a project's row holds in `data`.
 #[derive(Default, serde::Deserialize)]
@@ -166,7 +186,17 @@ impl Own {
             list if list.starts_with('[') => serde_json::from_str(list).unwrap_or_default(),
             list => list.split(';').map(str::to_owned).collect(),
         };
-        let fields = match self.json::<Pairs>(table, line, all) {
+        let (fields, of_elements) = match self.json::<ActivityData>(table, line, all) {
+            Some(ActivityData::Fields(fields)) => (Some(fields), Vec::new()),
+            Some(ActivityData::Both { fields, element_fields }) => (fields, element_fields),
+            None => (None, Vec::new()),
+        };
+        let element_fields = of_elements.into_iter().map(|field| ElementField {
+            name: all.name(&field.name),
+            values: field.values.iter().map(|value| all.name(value)).collect(),
+        });
+        let element_fields = element_fields.collect();
+        let fields = match fields {
             Some(pairs) => pairs.into_iter().map(|(n, v)| (all.name(&n), v.into())).collect(),
             None => {
                 let cells = self.fields.iter().zip(HEADINGS.len()..);
@@ -192,6 +222,7 @@ impl Own {
             wbs: self.number(table, 9, self.outline),
             calendar: self.number(table, 10, self.calendars),
             elements,
+            element_fields,
             fields,
             ..Activity::default()
         };

@@ -107,7 +107,8 @@ pub enum ReadError {
     /// A table whose header row is neither a schedule's nor a links file's.
     #[error(
         "{}: line 1: the header row lacks {missing} (found: {found}); a schedule needs id, name, \
-         start and end, a links file guid or element, and activity_id",
+         start and end, a links file guid or element, and activity_id, an event log an element, a \
+         task, start and end",
         file.display()
     )]
     Header {

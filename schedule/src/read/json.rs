@@ -11,7 +11,7 @@ use super::json_scan::{Chunk, Scan};
 use super::read_predecessor;
 use super::text::{Input, TextEncoding};
 use crate::sources::Place;
-use crate::{Activity, Lag, LinkKind, Severity};
+use crate::{Activity, ElementField, Lag, LinkKind, Severity};
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use serde_json::value::RawValue;
 use std::fmt;
@@ -145,6 +145,10 @@ fn read_activity(
         Some(raw) => elements(raw, &at, &id, all),
         None => Vec::new(),
     };
+    let element_fields = match object.take_if("element_fields", |raw| raw.starts_with('[')) {
+        Some(raw) => element_fields(raw, &at, &id, all),
+        None => Vec::new(),
+    };
     if let Some(raw) = object.take_if("predecessors", |raw| raw.starts_with('[')) {
         predecessors(raw, &at, &id, all);
     }
@@ -153,7 +157,16 @@ fn read_activity(
         let value = all.field_text(&name, &field_text(raw), at(raw));
         fields.push((all.name(&name), value));
     }
-    let activity = Activity { id, name, wbs, calendar, elements, fields, ..Activity::default() };
+    let activity = Activity {
+        id,
+        name,
+        wbs,
+        calendar,
+        elements,
+        element_fields,
+        fields,
+        ..Activity::default()
+    };
     all.push_texts(activity, texts, dates, place);
 }
 
@@ -175,11 +188,45 @@ fn elements(
     let mut names = Vec::with_capacity(list.as_ref().map_or(0, Vec::len));
     for raw in list.into_iter().flatten() {
         match scalar(raw) {
-            Ok(name) => names.extend(name),
-            Err(reason) => wrong_type(all, at(raw), id, "elements", &reason),
+            // What is no name is left out later, with what element fields say of it.
+            Ok(name) => names.push(name.unwrap_or_default()),
+            Err(reason) => {
+                wrong_type(all, at(raw), id, "elements", &reason);
+                names.push(String::new());
+            }
         }
     }
     names
+}
+
+/// What is said of single elements: names, each with a value an element.
+fn element_fields(
+    raw: &RawValue,
+    at: &impl Fn(&RawValue) -> Place,
+    id: &str,
+    all: &mut Collected,
+) -> Vec<ElementField> {
+    let list: Vec<&RawValue> = serde_json::from_str(raw.get()).unwrap_or_default();
+    let mut fields = Vec::with_capacity(list.len());
+    for raw in list {
+        let parts = serde_json::from_str::<Object>(raw.get()).ok().and_then(|mut object| {
+            let name = scalar(object.take(&["name"])?).ok()??;
+            let values = object.take(&["values"])?;
+            Some((name, serde_json::from_str::<Vec<&RawValue>>(values.get()).ok()?))
+        });
+        let Some((name, values)) = parts else {
+            let reason = format!("{}, not a name with a list of values", kind_of(raw));
+            wrong_type(all, at(raw), id, "element_fields", &reason);
+            continue;
+        };
+        let values = values.into_iter().map(|raw| {
+            let text = all.field_text(&name, &field_text(raw), at(raw));
+            all.name(&text)
+        });
+        let values = values.collect();
+        fields.push(ElementField { name: all.name(&name), values });
+    }
+    fields
 }
 
 /// What the next activity waits for: ids with kind and lag as objects or as texts.

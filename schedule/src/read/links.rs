@@ -1,4 +1,8 @@
 //! Links files: which element belongs to which activity.
+//!
+//! The elements of an event log may have other names than those of the model. A links file with a
+//! column `log_guid` or `log_element` says which is which: the link then takes the place of that
+//! element, and what the log says of it stays.
 
 use super::collected::Collected;
 use super::error::ReadError;
@@ -13,12 +17,16 @@ use std::collections::HashMap;
 pub(super) struct Links {
     /// Each activity id once; links refer to it by number, for there are far more links.
     activities: Keys,
+    /// Names of elements in an event log, each once.
+    in_log: Keys,
     links: Vec<Link>,
 }
 
 struct Link {
     element: String,
     activity: u32,
+    /// What an event log calls the element.
+    in_log: Option<u32>,
     place: Place,
 }
 
@@ -27,6 +35,7 @@ pub(super) struct Columns {
     guid: Option<usize>,
     element: Option<usize>,
     activity: usize,
+    in_log: Option<usize>,
 }
 
 impl Columns {
@@ -37,7 +46,8 @@ impl Columns {
             return None;
         }
         guid.or(element)?;
-        Some(Self { guid, element, activity: header.position(&["activity_id"])? })
+        let in_log = header.position(&["log_guid", "log_element"]);
+        Some(Self { guid, element, activity: header.position(&["activity_id"])?, in_log })
     }
 }
 
@@ -61,14 +71,16 @@ pub(super) fn read(
         }
         let place = all.line(line);
         let activity = all.links.activities.of(activity);
-        all.links.links.push(Link { element: element.to_owned(), activity, place });
+        let in_log = Some(table.cell(columns.in_log)).filter(|name| !name.is_empty());
+        let in_log = in_log.map(|name| all.links.in_log.of(name));
+        all.links.links.push(Link { element: element.to_owned(), activity, in_log, place });
     }
     Ok(())
 }
 
 /// Gives every link's element to the first activity with its id; unknown ids are reported.
 pub(super) fn attach(all: &mut Collected) {
-    let Links { activities: mut ids, links } = std::mem::take(&mut all.links);
+    let Links { activities: mut ids, in_log: log_names, links } = std::mem::take(&mut all.links);
     if links.is_empty() {
         return;
     }
@@ -77,8 +89,24 @@ pub(super) fn attach(all: &mut Collected) {
         target.insert(ids.of(&activity.id), i);
     }
     let names = ids.texts();
-    for Link { element, activity, place } in links {
+    let mut logged: HashMap<(usize, u32), usize> = HashMap::new();
+    for (i, activity) in all.activities.iter().enumerate() {
+        for (at, element) in activity.elements.iter().enumerate().rev() {
+            logged.extend(log_names.known(element).map(|name| ((i, name), at)));
+        }
+    }
+    for Link { element, activity, in_log, place } in links {
         if let Some(&target) = target.get(&activity) {
+            if let Some(at) = in_log.and_then(|name| logged.remove(&(target, name))) {
+                let elements = &mut all.activities[target].elements;
+                let places = &mut all.sources.activities[target].links;
+                let own = elements.len().saturating_sub(places.len());
+                elements[at] = element;
+                if let Some(known) = at.checked_sub(own).and_then(|at| places.get_mut(at)) {
+                    *known = place;
+                }
+                continue;
+            }
             all.activities[target].elements.push(element);
             all.sources.activities[target].links.push(place);
             continue;

@@ -15,6 +15,7 @@ mod json;
 mod json_project;
 mod json_scan;
 mod links;
+mod log;
 mod mspdi;
 mod mspdi_calendar;
 mod p6;
@@ -55,7 +56,7 @@ pub struct ReadOptions {
     pub kind_field: Option<String>,
 }
 
-/// Reads and merges schedules (topout JSON, CSV, Microsoft Project XML, Primavera P6 XER and XML,
+/// Reads and merges schedules (topout JSON, CSV, event logs as CSV, Microsoft Project XML, Primavera P6 XER and XML,
 /// IFC) and links files (CSV), in any order.
 ///
 /// Problems in single activities, links and dates become [`Schedule::diagnostics`], each with file

@@ -23,6 +23,11 @@ impl Keys {
         }
     }
 
+    /// The number of a text that occurred.
+    pub(super) fn known(&self, text: &str) -> Option<u32> {
+        self.numbers.get(text).copied()
+    }
+
     /// All texts by their numbers.
     pub(super) fn texts(&self) -> Vec<&str> {
         let mut texts = vec![""; self.numbers.len()];
