@@ -14,6 +14,7 @@ pub mod link;
 mod optimizer;
 pub mod pick;
 mod progress;
+pub mod properties;
 #[allow(clippy::module_inception)]
 mod scene;
 mod view;
@@ -22,6 +23,7 @@ pub use edit::{EditError, Edited, Renumbering};
 pub use geometry::{Aabb, Layer, Mesh, Vertex, decode_normal, encode_normal};
 pub use hdlod::{Hdlod, Selection};
 pub use progress::{Cancelled, Progress};
+pub use properties::Properties;
 pub use scene::{
     BehaviourId, Element, ElementId, Group, GroupId, Instance, Material, MeshId, Model, Scene,
 };

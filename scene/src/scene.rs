@@ -1,6 +1,6 @@
 //! The model (what stands where) and the scene (what stands when).
 
-use crate::{Aabb, Mesh};
+use crate::{Aabb, Mesh, Properties};
 use glam::{Affine3A, DVec3};
 use std::ops::Range;
 use std::sync::Arc;
@@ -104,6 +104,8 @@ pub struct Model {
     pub elements: Vec<Element>,
     /// Named nodes above elements.
     pub groups: Vec<Group>,
+    /// What the files say of elements and groups beyond that.
+    pub properties: Properties,
     /// What was found while importing.
     pub diagnostics: Diagnostics,
 }
