@@ -273,7 +273,9 @@ pub(crate) fn note_full(file: &str, diagnostics: &mut Diagnostics) {
 }
 
 /// The properties of several models, whose elements and groups stand one after the other.
-pub fn joined<'a>(tables: impl IntoIterator<Item = &'a Model> + Clone) -> (Properties, Option<Full>) {
+pub fn joined<'a>(
+    tables: impl IntoIterator<Item = &'a Model> + Clone,
+) -> (Properties, Option<Full>) {
     let mut builder = Builder::default();
     for model in tables.clone() {
         for i in 0..model.elements.len() as u32 {
@@ -312,8 +314,14 @@ mod tests {
         );
         let found: Vec<_> = found.iter().map(|(k, v)| format!("{k}={v}")).collect();
         let expected = [
-            "guid=g", "n=3", "Pset.Fire=F90", "Pset.deep.er=true", "tasks=a", "tasks=b",
-            "list.x=1", "list.x=2",
+            "guid=g",
+            "n=3",
+            "Pset.Fire=F90",
+            "Pset.deep.er=true",
+            "tasks=a",
+            "tasks=b",
+            "list.x=1",
+            "list.x=2",
         ];
         assert_eq!(found, expected);
         for other in ["3", "\"text\"", "[1, 2]", "null"] {
@@ -363,17 +371,32 @@ mod tests {
         assert_eq!(model.properties.keys().len(), 3);
         let mut some = model.properties.clone();
         some.retain_elements(&[true, false, true]);
-        assert_eq!(some.entries_of_element(ElementId(1)), model.properties.entries_of_element(ElementId(2)));
+        assert_eq!(
+            some.entries_of_element(ElementId(1)),
+            model.properties.entries_of_element(ElementId(2))
+        );
         assert!(some.entries_of_element(ElementId(2)).is_empty());
-        assert_eq!(some.entries_of_group(GroupId(0)), model.properties.entries_of_group(GroupId(0)));
+        assert_eq!(
+            some.entries_of_group(GroupId(0)),
+            model.properties.entries_of_group(GroupId(0))
+        );
         some.retain_elements(&[false, false]);
         assert!(some.entries_of_element(ElementId(0)).is_empty());
-        assert_eq!(some.entries_of_group(GroupId(1)), model.properties.entries_of_group(GroupId(1)));
+        assert_eq!(
+            some.entries_of_group(GroupId(1)),
+            model.properties.entries_of_group(GroupId(1))
+        );
         let (both, full) = joined([&model, &model]);
         assert_eq!(full, None);
         assert_eq!(both.value_count(), 4);
-        assert_eq!(both.entries_of_element(ElementId(5)), model.properties.entries_of_element(ElementId(2)));
-        assert_eq!(both.entries_of_group(GroupId(2)), model.properties.entries_of_group(GroupId(0)));
+        assert_eq!(
+            both.entries_of_element(ElementId(5)),
+            model.properties.entries_of_element(ElementId(2))
+        );
+        assert_eq!(
+            both.entries_of_group(GroupId(2)),
+            model.properties.entries_of_group(GroupId(0))
+        );
         assert!(model.properties.bytes() < 400);
     }
 

@@ -1,5 +1,6 @@
 //! The model (what stands where) and the scene (what stands when).
 
+use crate::link::{RuleReport, Rules};
 use crate::{Aabb, Mesh, Properties};
 use glam::{Affine3A, DVec3};
 use std::ops::Range;
@@ -151,6 +152,10 @@ pub struct Scene {
     pub activity_starts: Vec<u32>,
     /// See `activity_starts`.
     pub activity_links: Vec<u32>,
+    /// What it was linked by.
+    pub rules: Arc<Rules>,
+    /// What each rule did, in order; then what links by hand did.
+    pub rule_reports: Vec<RuleReport>,
     /// What linking found.
     pub link_diagnostics: Diagnostics,
     /// Everything found while importing, reading and linking.
