@@ -15,13 +15,13 @@ use topout_schedule::{Diagnostics, Schedule, Severity};
 const MOST_LINKS: usize = 1 << 27;
 
 /// Elements sorted by group, so that those below a group are a range.
-struct Groups {
+pub(super) struct Groups {
     elements: Vec<u32>,
     ranges: Vec<Range<usize>>,
 }
 
 impl Groups {
-    fn new(model: &Model) -> Self {
+    pub fn new(model: &Model) -> Self {
         let count = model.groups.len();
         let mut children: Vec<Vec<u32>> = vec![Vec::new(); count];
         let mut stack: Vec<(u32, bool)> = Vec::new();
@@ -53,7 +53,7 @@ impl Groups {
         groups
     }
 
-    fn below(&self, group: GroupId) -> &[u32] {
+    pub fn below(&self, group: GroupId) -> &[u32] {
         &self.elements[self.ranges[group.index()].clone()]
     }
 }

@@ -1,6 +1,6 @@
 //! The keys of both sides of a rule, distinct texts once.
 
-use super::rules::{ActivityBy, ElementBy, List, Pattern, Rule};
+use super::rules::{ActivityBy, ElementBy, List, Match, Pattern, Rule};
 use crate::{ElementId, Group, GroupId, Model};
 use std::borrow::Cow;
 use std::collections::HashMap;
@@ -81,18 +81,22 @@ struct Reader<'a, 'r> {
     pattern: Option<&'r Pattern>,
     only: Vec<Glob>,
     fold: bool,
+    /// Whether no text at all is a key too: what has no name can still be counted by a number.
+    empty: bool,
     known: HashMap<&'a str, Option<(u32, u64)>>,
 }
 
 impl<'a, 'r> Reader<'a, 'r> {
-    fn new(pattern: Option<&'r Pattern>, only: &[String], case: bool) -> Self {
-        let only = only.iter().map(|o| Glob::new(o, case)).collect();
-        Self { pattern, only, fold: !case, known: HashMap::new() }
+    fn new(pattern: Option<&'r Pattern>, only: &[String], rule: &Rule) -> Self {
+        let only = only.iter().map(|o| Glob::new(o, rule.case)).collect();
+        let numbered = rule.activity.pattern.as_ref().is_some_and(Pattern::has_order);
+        let empty = numbered && rule.matching == Match::InOrder;
+        Self { pattern, only, fold: !rule.case, empty, known: HashMap::new() }
     }
 
     /// The key that a text holds and its number.
     fn read<U>(&mut self, text: &'a str, keys: &mut Keys<'a, U>) -> Option<(u32, u64)> {
-        if text.is_empty() {
+        if text.is_empty() && !self.empty {
             return None;
         }
         if self.pattern.is_none() && self.only.is_empty() && !self.fold {
@@ -118,7 +122,7 @@ impl<'a, 'r> Reader<'a, 'r> {
             true => Cow::Owned(key.to_lowercase()),
             false => Cow::Borrowed(key),
         };
-        (!key.is_empty()).then_some((key, number.unwrap_or(0)))
+        (self.empty || !key.is_empty()).then_some((key, number.unwrap_or(0)))
     }
 }
 
@@ -165,7 +169,7 @@ impl Glob {
 pub(super) fn of_model<'a>(model: &'a Model, rule: &Rule) -> Keys<'a, Target> {
     let side = &rule.element;
     let mut keys = Keys::new();
-    let mut reader = Reader::new(side.pattern.as_ref(), &side.only, rule.case);
+    let mut reader = Reader::new(side.pattern.as_ref(), &side.only, rule);
     each_text_of_model(model, &side.by, &mut |text, target| {
         if let Some((key, number)) = reader.read(text, &mut keys) {
             keys.uses.push((key, number, target));
@@ -270,7 +274,7 @@ pub(super) fn of_schedule<'a>(
 ) -> Option<Keys<'a, Entry>> {
     let side = &rule.activity;
     let mut keys = Keys::new();
-    let mut reader = Reader::new(side.pattern.as_ref(), &[], rule.case);
+    let mut reader = Reader::new(side.pattern.as_ref(), &[], rule);
     let mut identities: HashMap<&'a str, u32> = HashMap::new();
     let by_element = matches!(side.by, ActivityBy::ElementField(_));
     let found = each_text_of_schedule(schedule, &side.by, wbs, &mut |text, activity, element| {
@@ -307,10 +311,7 @@ pub(super) fn each_text_of_schedule<'a>(
         }
         _ => "",
     };
-    let mut found = true;
-    if let ActivityBy::ElementField(_) = by {
-        found = false;
-    }
+    let mut found = !matches!(by, ActivityBy::ElementField(_));
     for (a, activity) in schedule.activities.iter().enumerate() {
         let number = a as u32;
         match by {
@@ -329,9 +330,11 @@ pub(super) fn each_text_of_schedule<'a>(
                 elements.for_each(|(text, n)| say(text, number, n));
             }
             ActivityBy::ElementField(name) => {
-                if let Some(values) = element_field(activity, name) {
-                    found = true;
-                    values.iter().zip(0..).for_each(|(text, n)| say(text, number, n));
+                for n in 0..activity.elements.len() {
+                    if let Some(text) = element_field(activity, name, n) {
+                        found = true;
+                        say(text, number, n as u32);
+                    }
                 }
             }
         }
@@ -367,13 +370,17 @@ pub(super) fn field_names(schedule: &Schedule) -> Vec<String> {
 /// Fields that are listed or tried. Linear look-up among so many costs less than hashing each name.
 const MOST_FIELDS: usize = 64;
 
-// ELEMENT FIELDS: the one place that reads columns which say something of each element of an activity
-// (event logs). Activities have none yet; see also `element_field_names`.
-fn element_field<'a>(_activity: &'a Activity, _name: &str) -> Option<&'a [String]> {
-    None
+// ELEMENT FIELDS: these two functions are all that reads columns which say something of each element
+// of an activity (event logs). Until activities have such columns, only what is said of the whole
+// activity is found: `activity.element_field(name, element)` and `activity.element_fields` go here.
+
+/// What is said of one element of an activity: of it alone, else of the whole activity.
+fn element_field<'a>(activity: &'a Activity, name: &str, _element: usize) -> Option<&'a str> {
+    let own = activity.fields.iter().find(|(n, _)| **n == *name);
+    own.map(|(_, value)| &**value).filter(|value| !value.is_empty())
 }
 
-/// The names of such columns, in the order of their first use.
+/// The names of such columns, in the order of their first use, as many as a message lists.
 pub(super) fn element_field_names(_schedule: &Schedule) -> Vec<String> {
     Vec::new()
 }
