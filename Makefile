@@ -2,7 +2,7 @@
 CARGO ?= cargo
 TARGET_DIR = $${CARGO_TARGET_DIR:-target}
 
-.PHONY: run test check build packages cargo
+.PHONY: run test check build fuzz packages cargo
 
 # The demo project: its window, or pictures in out/ and a table where there is no display.
 run: build
@@ -22,6 +22,10 @@ test: packages cargo check
 check: packages cargo
 	$(CARGO) fmt --all --check
 	$(CARGO) clippy --release --workspace --all-targets --locked -- -D warnings
+
+# The schedule readers with damaged files, ten minutes each; MINUTES=1 make fuzz for less.
+fuzz: packages cargo
+	@.ci/fuzz
 
 build: packages cargo
 	$(CARGO) build --release --workspace --locked

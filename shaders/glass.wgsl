@@ -11,24 +11,24 @@ struct GlassOut {
 
 @vertex
 fn glass_vertex(in: VertexIn) -> GlassOut {
-    return lit(place(in), in.packed >> 16u);
+    return lit(place(in), in.packed >> 16u, in.look);
 }
 
 @vertex
 fn glass_fixed_vertex(in: FixedIn) -> GlassOut {
-    return lit(place_fixed(in), in.packed >> 16u);
+    return lit(place_fixed(in), in.packed >> 16u, 0u);
 }
 
-fn lit(placed: Placed, material: u32) -> GlassOut {
+fn lit(placed: Placed, material: u32, look: u32) -> GlassOut {
     let view = placed.to_eye;
     let normal = placed.normal;
-    let m = materials[material];
+    let own = looked(materials[material].color, look);
     let n_eye = clamp(dot(normal, view), 0.0, 1.0);
     let graze = 1.0 - n_eye;
     let graze2 = graze * graze;
     // What stands for a body of glass is the surface in front: it has the opacity of the material,
     // and mirrors as front and back do together.
-    let body = clamp(m.color.a, 0.0, 1.0);
+    let body = clamp(own.a, 0.0, 1.0);
     let face = 0.04 + 0.60 * graze2 * graze2 * graze;
     let mirror = face * (2.0 - face);
 
@@ -40,7 +40,7 @@ fn lit(placed: Placed, material: u32) -> GlassOut {
 
     let light = mix(AMBIENT_BELOW, AMBIENT_ABOVE, normal.y * 0.5 + 0.5)
         + SUN * max(dot(normal, frame.sun), 0.0) * 0.4;
-    let tint = m.color.rgb * light;
+    let tint = own.rgb * light;
     let opacity = mirror + body * (1.0 - mirror);
     let color = (sky(reflect(-view, normal)) * mirror + tint * body * (1.0 - mirror)
         + SUN * glint) / opacity;
@@ -65,7 +65,7 @@ struct FadingOut {
 
 @vertex
 fn glass_fading_vertex(in: VertexIn, @location(5) share: u32) -> FadingOut {
-    let out = lit(place(in), in.packed >> 16u);
+    let out = lit(place(in), in.packed >> 16u, in.look);
     return FadingOut(out.clip, out.color, share);
 }
 

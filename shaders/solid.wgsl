@@ -6,21 +6,21 @@ struct SolidOut {
     @location(0) color: vec3<f32>,
 }
 
-fn lit(placed: Placed, material: u32) -> SolidOut {
+fn lit(placed: Placed, material: u32, look: u32) -> SolidOut {
     let m = materials[material];
-    let surface = Surface(m.color.rgb, m.roughness, m.metallic);
+    let surface = Surface(looked(m.color, look).rgb, m.roughness, m.metallic);
     let color = shade(surface, placed.normal, placed.to_eye, placed.height);
     return SolidOut(placed.clip, display(color, length(placed.from_eye)));
 }
 
 @vertex
 fn solid_vertex(in: VertexIn) -> SolidOut {
-    return lit(place(in), in.packed >> 16u);
+    return lit(place(in), in.packed >> 16u, in.look);
 }
 
 @vertex
 fn solid_fixed_vertex(in: FixedIn) -> SolidOut {
-    return lit(place_fixed(in), in.packed >> 16u);
+    return lit(place_fixed(in), in.packed >> 16u, 0u);
 }
 
 // Depth alone.
@@ -49,7 +49,7 @@ struct FadingOut {
 
 @vertex
 fn solid_fading_vertex(in: VertexIn, @location(5) share: u32) -> FadingOut {
-    let out = lit(place(in), in.packed >> 16u);
+    let out = lit(place(in), in.packed >> 16u, in.look);
     return FadingOut(out.clip, out.color, share);
 }
 

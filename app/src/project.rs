@@ -8,7 +8,7 @@ use std::panic::resume_unwind;
 use std::path::PathBuf;
 use std::str::FromStr;
 use topout_scene::{Cancelled, Model, Progress, Scene, demo, import, link};
-use topout_schedule::{Diagnostics, ReadOptions, Schedule, Severity};
+use topout_schedule::{Column, Diagnostics, ReadOptions, Schedule, Severity};
 
 /// Where a model comes from.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -68,6 +68,10 @@ pub struct Request {
     pub date_format: Option<String>,
     /// Text encoding of CSV and XER files; by their content when `None`.
     pub encoding: Option<String>,
+    /// What columns of CSV schedules mean, by their headings.
+    pub columns: Vec<(String, Column)>,
+    /// The field that says the kinds of activities.
+    pub kind_field: Option<String>,
 }
 
 impl Request {
@@ -188,7 +192,8 @@ fn read_schedules(request: &Request) -> anyhow::Result<Schedule> {
     let options = ReadOptions {
         date_format: request.date_format.clone(),
         encoding: request.encoding.clone(),
-        ..ReadOptions::default()
+        columns: request.columns.clone(),
+        kind_field: request.kind_field.clone(),
     };
     Ok(topout_schedule::read_files(&request.schedules, &options)?)
 }

@@ -1,8 +1,9 @@
 //! What is drawn in a frame, as plain data: pure functions of scene, view and time.
 
 use crate::fade::{Fader, Share};
+use crate::looks::SeeThrough;
 use crate::pool::{MeshRange, Pool};
-use topout_scene::hdlod::{Node, Selection, Span};
+use topout_scene::hdlod::{Marks, Node, Selection, Span};
 use topout_scene::{Containment, ElementId, Hdlod, Layer, Model, Scene, View};
 use topout_schedule::Time;
 use wgpu::util::DrawIndexedIndirectArgs as Command;
@@ -107,15 +108,22 @@ impl DrawList {
     }
 
     /// Appends the commands of the visible elements, one per instance and layer.
-    pub fn push_elements(&mut self, model: &Model, meshes: &[MeshRange]) {
+    pub fn push_elements(&mut self, model: &Model, meshes: &[MeshRange], through: &SeeThrough) {
         for &id in &self.visible {
-            push_element(&mut self.elements, id, model, meshes);
+            push_element(&mut self.elements, id, model, meshes, through);
         }
     }
 
-    /// Appends the commands of parts of clusters; `identity` is the instance that moves nothing.
-    pub fn push_spans(&mut self, spans: &[Span], identity: u32) {
-        spans.iter().for_each(|span| push_span(&mut self.clusters, span, identity));
+    /// Appends the commands of parts of clusters; `identity` is the first of the instances that move
+    /// nothing, one a look.
+    pub fn push_spans<'a>(
+        &mut self,
+        spans: impl IntoIterator<Item = &'a Span>,
+        identity: u32,
+        through: &SeeThrough,
+    ) {
+        let push = |span| push_span(&mut self.clusters, span, identity, through);
+        spans.into_iter().for_each(push);
     }
 
     /// Takes what fades out of a selection. `view` has the whole tolerance, which what is going must keep.
@@ -126,7 +134,7 @@ impl DrawList {
         pool: &Pool,
         selection: &mut Selection,
     ) {
-        let Fading { scene, tree, view, time } = *frame;
+        let Fading { scene, tree, view, time, through, .. } = *frame;
         let model = &scene.model;
         let (mut late, mut triangles) = (Vec::new(), 0);
         'fades: for (top, nodes, share) in fader.going() {
@@ -144,13 +152,13 @@ impl DrawList {
             }
             let Commands { elements, clusters } = &mut self.fading[share.code() as usize];
             triangles += spans.iter().map(|s| u64::from(s.index_count) / 3).sum::<u64>();
-            spans.iter().for_each(|span| push_span(clusters, span, pool.identity));
+            spans.iter().for_each(|span| push_span(clusters, span, pool.identity, through));
             for node in nodes {
                 if let Node::Leaf(id) = node
                     && scene.behaviour(id).at(time)
                 {
                     triangles += model.triangles_of(&model.elements[id.index()]) as u64;
-                    push_element(elements, id, model, &pool.meshes);
+                    push_element(elements, id, model, &pool.meshes, through);
                 }
             }
         }
@@ -170,7 +178,8 @@ impl DrawList {
                 None => steady.extend_from_slice(spans),
                 Some(share) => {
                     let clusters = &mut self.fading[share.code() as usize].clusters;
-                    spans.iter().for_each(|span| push_span(clusters, span, pool.identity));
+                    let identity = pool.identity;
+                    spans.iter().for_each(|span| push_span(clusters, span, identity, through));
                 }
             }
         }
@@ -179,7 +188,7 @@ impl DrawList {
             None => true,
             Some(share) => {
                 let elements = &mut self.fading[share.code() as usize].elements;
-                push_element(elements, id, model, &pool.meshes);
+                push_element(elements, id, model, &pool.meshes, through);
                 false
             }
         });
@@ -187,7 +196,14 @@ impl DrawList {
 }
 
 /// The commands of an element, one per instance and layer.
-fn push_element(layers: &mut Layers, id: ElementId, model: &Model, meshes: &[MeshRange]) {
+fn push_element(
+    layers: &mut Layers,
+    id: ElementId,
+    model: &Model,
+    meshes: &[MeshRange],
+    through: &SeeThrough,
+) {
+    let through = through.element(id);
     for instance in model.elements[id.index()].instances.clone() {
         let mesh = meshes[model.instances[instance as usize].mesh.index()];
         let command = |first_index, index_count| Command {
@@ -197,6 +213,11 @@ fn push_element(layers: &mut Layers, id: ElementId, model: &Model, meshes: &[Mes
             base_vertex: mesh.base_vertex as i32,
             first_instance: instance,
         };
+        if through {
+            let all = mesh.opaque + mesh.transparent;
+            layers.transparent.push(command(mesh.first_index, all));
+            continue;
+        }
         if mesh.opaque > 0 {
             layers.opaque.push(command(mesh.first_index, mesh.opaque));
         }
@@ -206,17 +227,17 @@ fn push_element(layers: &mut Layers, id: ElementId, model: &Model, meshes: &[Mes
     }
 }
 
-fn push_span(layers: &mut Layers, span: &Span, identity: u32) {
+fn push_span(layers: &mut Layers, span: &Span, identity: u32, through: &SeeThrough) {
     let layer = match span.layer {
-        Layer::Opaque => &mut layers.opaque,
-        Layer::Transparent => &mut layers.transparent,
+        Layer::Opaque if !through.look(span.look) => &mut layers.opaque,
+        _ => &mut layers.transparent,
     };
     layer.push(Command {
         index_count: span.index_count,
         instance_count: 1,
         first_index: span.first_index,
         base_vertex: span.base_vertex as i32,
-        first_instance: identity,
+        first_instance: identity + u32::from(span.look.0),
     });
 }
 
@@ -227,4 +248,6 @@ pub(crate) struct Fading<'a> {
     pub tree: &'a Hdlod,
     pub view: &'a View,
     pub time: Time,
+    pub marks: Option<&'a Marks>,
+    pub through: &'a SeeThrough,
 }

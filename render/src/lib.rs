@@ -10,6 +10,7 @@ mod fade;
 mod frame;
 mod gpu;
 mod input;
+mod looks;
 mod passes;
 mod pool;
 mod readback;

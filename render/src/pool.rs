@@ -6,6 +6,7 @@ use glam::Affine3A;
 use std::ops::Range;
 use topout_scene::hdlod::Indices;
 use topout_scene::{Hdlod, Material, Mesh, Scene, Vertex, hdlod};
+use topout_schedule::Look;
 use wgpu::{BufferUsages, IndexFormat};
 
 /// Bytes of one vertex.
@@ -77,12 +78,36 @@ pub(crate) struct MeshRange {
 pub(crate) struct Pool {
     pub scene: Geometry,
     pub clusters: Option<Geometry>,
-    /// One [`InstanceRow`] per model instance, then the identity for clusters.
+    /// One [`InstanceRow`] per model instance, then the identity for clusters, once for each look.
     pub instances: wgpu::Buffer,
+    /// How each of these looks, see [`look_word`].
+    pub looks: wgpu::Buffer,
     pub materials: wgpu::Buffer,
     pub meshes: Vec<MeshRange>,
-    /// Index of the identity in `instances`.
+    /// Index of the first identity in `instances`; that of a look is so many after it.
     pub identity: u32,
+}
+
+/// Bytes of the word of one instance.
+pub(crate) const LOOK_BYTES: u64 = 4;
+
+/// A look for the shaders, see `looked` in `shaders/common/instance.wgsl`; 0 is an element's own.
+pub(crate) fn look_word(look: &Look) -> u32 {
+    let linear = |gamma: u8| {
+        let c = f32::from(gamma) / 255.0;
+        if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
+    };
+    // The shader squares it again.
+    let root = |gamma: u8| (linear(gamma).sqrt() * 255.0).round() as u8;
+    let opacity = (look.opacity.clamp(0.0, 1.0) * 127.0).round() as u8;
+    match look.color {
+        None if !look.is_see_through() => 0,
+        None => u32::from_le_bytes([0, 0, 0, opacity.max(1)]),
+        Some(color) => {
+            let [r, g, b] = color.map(root);
+            u32::from_le_bytes([r, g, b, opacity.max(1) | 0x80])
+        }
+    }
 }
 
 impl Geometry {
@@ -150,8 +175,16 @@ impl Pool {
             if short { IndexFormat::Uint16 } else { IndexFormat::Uint32 },
         )?;
         let usage = BufferUsages::COPY_DST;
-        let instance_bytes = (model.instances.len() as u64 + 1) * INSTANCE_BYTES;
-        let instances = gpu.buffer("instances", instance_bytes, usage | BufferUsages::VERTEX)?;
+        let instances = model.instances.len() as u64 + 1;
+        let [instances, looks] =
+            [("instances", INSTANCE_BYTES), ("looks", LOOK_BYTES)].map(|(label, bytes)| {
+                gpu.buffer(
+                    label,
+                    instances * bytes,
+                    usage | BufferUsages::VERTEX | BufferUsages::COPY_SRC,
+                )
+            });
+        let (instances, looks) = (instances?, looks?);
         // Those of the model, then those that clusters mix of them.
         let blends = hdlod::blends(model.materials.len());
         let rows: Vec<MaterialRow> =
@@ -184,7 +217,39 @@ impl Pool {
         upload.finish();
 
         let identity = model.instances.len() as u32;
-        Ok(Self { scene: geometry, clusters: None, instances, materials, meshes, identity })
+        Ok(Self { scene: geometry, clusters: None, instances, looks, materials, meshes, identity })
+    }
+
+    /// Takes the looks that there may be: all instances look as they are, and the identities are there
+    /// for each of them.
+    ///
+    /// # Errors
+    /// If they do not fit on the device; everything stays as it was then.
+    pub fn set_palette(&mut self, gpu: &Gpu, palette: &[Look]) -> Result<(), GpuError> {
+        let usage = BufferUsages::COPY_DST | BufferUsages::COPY_SRC | BufferUsages::VERTEX;
+        let (own, count) = (u64::from(self.identity), palette.len().max(1));
+        let rows = own + count as u64;
+        let looks = gpu.buffer("looks", rows * LOOK_BYTES, usage)?;
+        if self.instances.size() != rows * INSTANCE_BYTES {
+            let instances = gpu.buffer("instances", rows * INSTANCE_BYTES, usage)?;
+            let mut encoder = gpu.device.create_command_encoder(&Default::default());
+            let bytes = own * INSTANCE_BYTES;
+            encoder.copy_buffer_to_buffer(&self.instances, 0, &instances, 0, bytes);
+            gpu.queue.submit([encoder.finish()]);
+            let mut upload = Upload::new(gpu, &instances);
+            upload.offset = bytes;
+            upload.push(&vec![InstanceRow::from(&Affine3A::IDENTITY); count]);
+            upload.finish();
+            self.instances = instances;
+        }
+        // A new buffer holds zeros.
+        let words: Vec<u32> = palette.iter().map(look_word).collect();
+        let mut upload = Upload::new(gpu, &looks);
+        upload.offset = own * LOOK_BYTES;
+        upload.push(&words);
+        upload.finish();
+        self.looks = looks;
+        Ok(())
     }
 
     /// Adds the geometry of clusters, in place of what was there before.
@@ -237,6 +302,7 @@ impl Pool {
         self.scene.bytes()
             + self.clusters.as_ref().map_or(0, Geometry::bytes)
             + self.instances.size()
+            + self.looks.size()
             + self.materials.size()
     }
 }

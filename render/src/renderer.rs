@@ -9,6 +9,7 @@ use crate::fade::{self, Fader, Share};
 use crate::frame::{FrameUniform, covered_rectangle};
 use crate::gpu::{Gpu, GpuError};
 use crate::input::{Antialias, DrawMode, FrameInput, FrameStats, Options};
+use crate::looks::FrameLooks;
 use crate::passes::{Edges, Glass, Ground, SceneBindings, Sky, Smooth, Solid};
 use crate::pool::Pool;
 use crate::readback::{Picture, texture_bytes};
@@ -19,8 +20,8 @@ use glam::{DVec3, UVec2, Vec3};
 use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use topout_scene::hdlod::Node;
-use topout_scene::{Aabb, ElementId, Hdlod, Scene, View, hdlod};
+use topout_scene::hdlod::{Marks, Node, Span};
+use topout_scene::{Aabb, ElementId, Hdlod, LookId, Looks, Scene, View, hdlod};
 use topout_schedule::Time;
 use wgpu::util::DrawIndexedIndirectArgs as Command;
 
@@ -113,6 +114,7 @@ pub struct Renderer {
     /// Of the scene.
     origin: DVec3,
     selection: Selection,
+    looks: FrameLooks,
 }
 
 impl Renderer {
@@ -166,6 +168,7 @@ impl Renderer {
             bounds: Aabb::EMPTY,
             origin: DVec3::ZERO,
             selection: Selection::default(),
+            looks: FrameLooks::default(),
         }
     }
 
@@ -194,7 +197,7 @@ impl Renderer {
         self.options = options;
     }
 
-    /// Uploads a scene in place of the one before, whose HDLOD and selection go with it.
+    /// Uploads a scene in place of the one before, whose HDLOD, selection and looks go with it.
     ///
     /// # Errors
     /// If it does not fit on the device; there is no scene then.
@@ -206,6 +209,7 @@ impl Renderer {
         self.bounds = Aabb::EMPTY;
         self.origin = DVec3::ZERO;
         self.selection.elements.clear();
+        self.looks = FrameLooks::default();
         self.scene_group = self.bindings.bind(&self.gpu, &self.frame, &self.empty_materials);
         let pool = Pool::new(&self.gpu, scene)?;
         self.scene_group = self.bindings.bind(&self.gpu, &self.frame, &pool.materials);
@@ -247,6 +251,7 @@ impl Renderer {
             self.set_scene(scene)?;
         }
         self.scene = Some(Arc::clone(scene));
+        self.looks.forget_time();
         let sent = match &mut self.pool {
             Some(pool) if self.hdlod.is_some() => pool.update_clusters(&self.gpu, hdlod, dirty),
             _ => false,
@@ -269,6 +274,7 @@ impl Renderer {
         }
         self.clear_hdlod();
         self.scene = Some(Arc::clone(scene));
+        self.looks.forget_time();
         Ok(())
     }
 
@@ -292,6 +298,20 @@ impl Renderer {
         self.selection.elements.clear();
         self.selection.elements.extend_from_slice(elements);
         self.selection.color = Vec3::from(color.map(f32::from)) / 255.0;
+    }
+
+    /// Gives the elements of the scene that is set these looks, from the next frame on; `None`: they look
+    /// as they are.
+    ///
+    /// # Errors
+    /// If the GPU has no room; they look as they are then.
+    pub fn set_looks(&mut self, looks: Option<&Arc<Looks>>) -> Result<(), GpuError> {
+        self.looks = FrameLooks::default();
+        let Some(pool) = &mut self.pool else { return Ok(()) };
+        let looks = looks.filter(|looks| looks.palette().len() > 1);
+        pool.set_palette(&self.gpu, looks.map_or(&[], |looks| looks.palette()))?;
+        self.looks = FrameLooks::new(looks.cloned());
+        Ok(())
     }
 
     /// Draws a picture of `input.view.size` (held within what the adapter can) and returns without
@@ -418,21 +438,30 @@ impl Renderer {
         let (Some(scene), Some(pool)) = (&self.scene, &self.pool) else {
             return stats;
         };
+        let tree = self.hdlod.as_ref().filter(|_| mode == DrawMode::Hdlod);
+        self.looks.set_time(&self.gpu, scene, tree, pool, time);
+        let (marks, through) = (self.looks.marks(), self.looks.see_through());
         match (&self.hdlod, mode) {
             (Some(tree), DrawMode::Hdlod) => {
                 let mut selection = if self.options.fades() {
-                    let frame = Fading { scene, tree, view, time };
+                    let frame = Fading { scene, tree, view, time, marks, through };
                     let (now, length) = (self.started.elapsed(), self.options.fade);
                     fading_cut(&mut self.list, &mut self.fader, &frame, tree, pool, now, length)
                 } else {
-                    hdlod::select(scene, tree, view, time)
+                    cut(scene, tree, view, time, marks)
                 };
                 stats.fading = self.fader.count();
                 self.list.visible.append(&mut selection.elements);
                 let geometry = pool.clusters.as_ref();
                 match self.culler.as_mut().filter(|c| geometry.is_some_and(|g| c.suits(g))) {
-                    Some(culler) => culler.set_spans(&selection.spans),
-                    None => self.list.push_spans(&selection.spans, pool.identity),
+                    Some(culler) => {
+                        let own = |span: &Span| span.look == LookId::OWN;
+                        let (own, marked): (Vec<Span>, Vec<Span>) =
+                            selection.spans.iter().partition(|span| own(span));
+                        culler.set_spans(&own);
+                        self.list.push_spans(&marked, pool.identity, through);
+                    }
+                    None => self.list.push_spans(&selection.spans, pool.identity, through),
                 }
                 stats.triangles = selection.triangles;
                 stats.clusters = selection.clusters;
@@ -466,7 +495,7 @@ impl Renderer {
             laps.end(Pass::Cull);
         }
         if let (Some(scene), Some(pool)) = (&self.scene, &self.pool) {
-            self.list.push_elements(&scene.model, &pool.meshes);
+            self.list.push_elements(&scene.model, &pool.meshes, self.looks.see_through());
         }
         let indirect =
             mode != DrawMode::Objects && self.gpu.has(wgpu::Features::INDIRECT_FIRST_INSTANCE);
@@ -573,7 +602,7 @@ fn fading_cut(
     length: Duration,
 ) -> hdlod::Selection {
     let view = View { tolerance_px: frame.view.tolerance_px * fade::TOLERANCE, ..*frame.view };
-    let mut selection = hdlod::select(frame.scene, tree, &view, frame.time);
+    let mut selection = cut(frame.scene, tree, &view, frame.time, frame.marks);
     let clusters = selection.drawn.iter().map(|drawn| Node::Cluster(drawn.cluster));
     let cut = clusters.chain(selection.elements.iter().map(|&id| Node::Leaf(id))).collect();
     fader.step(tree, cut, now.as_secs_f64(), length.as_secs_f64());
@@ -581,6 +610,19 @@ fn fading_cut(
         list.take_fading(fader, frame, pool, &mut selection);
     }
     selection
+}
+
+fn cut(
+    scene: &Scene,
+    tree: &Hdlod,
+    view: &View,
+    time: Time,
+    marks: Option<&Marks>,
+) -> hdlod::Selection {
+    match marks {
+        None => hdlod::select(scene, tree, view, time),
+        Some(marks) => hdlod::select_marked(scene, tree, view, time, marks),
+    }
 }
 
 /// `None` also where there is no room for it.

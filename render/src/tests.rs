@@ -179,6 +179,7 @@ fn spans_survive_being_cut() {
         index_count: count * 3,
         base_vertex,
         layer,
+        look: topout_scene::LookId::OWN,
     };
     let spans = [
         span(30, 100, 7, Layer::Opaque),

@@ -92,26 +92,27 @@ impl Scene {
     }
 
     /// The same scene with a schedule whose activities are the same and in the same order and
-    /// differ in dates, names and fields at most; `None` for any other, which has to be linked
-    /// ([`Scene::relinked`]). Where rules look at names and fields, they are applied again.
+    /// differ in dates, names and fields at most, with the same kinds; `None` for any other, which
+    /// has to be linked ([`Scene::relinked`]). Where rules look at names and fields, they are applied
+    /// again.
     pub fn with_schedule(&self, schedule: Schedule) -> Option<Edited> {
         let alike = |a: &Activity, b: &Activity| {
             a.id == b.id && a.kind == b.kind && a.active == b.active && a.elements == b.elements
         };
         let (ours, theirs) = (&self.schedule.activities, &schedule.activities);
-        if ours.len() != theirs.len() || !ours.iter().zip(theirs).all(|(a, b)| alike(a, b)) {
+        let same_kinds = self.schedule.kinds == schedule.kinds;
+        if !same_kinds
+            || ours.len() != theirs.len()
+            || !ours.iter().zip(theirs).all(|(a, b)| alike(a, b))
+        {
             return None;
         }
         let moved = moved_between(ours, theirs);
         let count = moved.iter().filter(|m| **m).count();
         if !self.rules.only_elements() {
             let links = link::links_again(self, &schedule);
-            if links.activity_starts != self.activity_starts
-                || links.activity_links != self.activity_links
-            {
-                let (scene, changed) = self.with_links(schedule, links);
-                return Some(Edited { scene, changed, moved: count });
-            }
+            let (scene, changed) = self.with_links(schedule, links);
+            return Some(Edited { scene, changed, moved: count });
         }
         let mut scene = Scene {
             model: Arc::clone(&self.model),
@@ -189,7 +190,8 @@ impl Scene {
                 continue;
             }
             let behaviour = *by_activities.entry(activities).or_insert_with(|| {
-                table.id_of(presence_by_activities(&self.schedule.activities, activities))
+                let Schedule { kinds, activities: all, .. } = &self.schedule;
+                table.id_of(presence_by_activities(kinds, all, activities))
             });
             if self.element_behaviour[id.index()] != behaviour {
                 changes.push((id, behaviour));

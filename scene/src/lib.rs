@@ -11,6 +11,7 @@ mod geometry;
 pub mod hdlod;
 pub mod import;
 pub mod link;
+mod looks;
 mod optimizer;
 pub mod pick;
 mod progress;
@@ -22,6 +23,7 @@ mod view;
 pub use edit::{EditError, Edited, Renumbering};
 pub use geometry::{Aabb, Layer, Mesh, Vertex, decode_normal, encode_normal};
 pub use hdlod::{Hdlod, Selection};
+pub use looks::{LookId, Looks};
 pub use progress::{Cancelled, Progress};
 pub use properties::Properties;
 pub use scene::{

@@ -1,6 +1,7 @@
 //! Working time.
 
-use chrono::{Datelike, NaiveDate};
+use crate::Time;
+use chrono::{Datelike, NaiveDate, Timelike};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -88,6 +89,30 @@ impl Calendar {
         let exception = self.exceptions.iter().rev().find(|e| e.first <= day && day <= e.last);
         let weekday = day.weekday().num_days_from_monday() as usize;
         exception.map_or(&self.week[weekday], |e| &e.shifts)
+    }
+
+    /// Whether anybody works at all.
+    pub fn is_empty(&self) -> bool {
+        self.week.iter().all(Vec::is_empty) && self.exceptions.iter().all(|e| e.shifts.is_empty())
+    }
+
+    /// `time` where somebody works then, else the next instant at which somebody does; `None` where
+    /// nobody does within ten years from then.
+    pub fn next_work(&self, time: Time) -> Option<Time> {
+        let civil = time.civil()?;
+        let since = i64::from(civil.num_seconds_from_midnight());
+        let midnight = time.seconds() - since;
+        let mut day = civil.date();
+        for number in 0..3653 {
+            let from = if number == 0 { since } else { 0 };
+            let next = self.shifts_on(day).iter().filter(|s| i64::from(s.end) > from);
+            if let Some(start) = next.map(|s| i64::from(s.start).max(from)).min() {
+                let midnight = midnight + number * i64::from(DAY_SECONDS);
+                return Some(Time::from_seconds(midnight + start));
+            }
+            day = day.succ_opt()?;
+        }
+        None
     }
 }
 
@@ -198,6 +223,26 @@ mod tests {
         let again: Calendar =
             serde_json::from_str(&serde_json::to_string(&calendar).unwrap()).unwrap();
         assert_eq!(again, calendar);
+    }
+
+    #[test]
+    fn the_next_working_time() {
+        let text = r#"{"week": {"mon": ["13:00-17:00", "08:00-12:00"], "tue": ["08:00-12:00"]},
+            "exceptions": [{"first": "2026-12-01", "last": "2026-12-01"}]}"#;
+        let calendar: Calendar = serde_json::from_str(text).unwrap();
+        let next =
+            |text: &str| calendar.next_work(Time::parse_iso(text).unwrap()).unwrap().to_string();
+        // A Monday.
+        assert_eq!(next("2026-11-23T08:00:00"), "2026-11-23T08:00:00");
+        assert_eq!(next("2026-11-23T00:00:00"), "2026-11-23T08:00:00");
+        assert_eq!(next("2026-11-23T11:59:59"), "2026-11-23T11:59:59");
+        assert_eq!(next("2026-11-23T12:00:00"), "2026-11-23T13:00:00");
+        assert_eq!(next("2026-11-23T17:00:00"), "2026-11-24T08:00:00");
+        // Over days off, and over a Tuesday that is off.
+        assert_eq!(next("2026-11-24T12:00:00"), "2026-11-30T08:00:00");
+        assert_eq!(next("2026-11-30T18:00:00"), "2026-12-07T08:00:00");
+        assert_eq!(Calendar::default().next_work(Time::from_seconds(0)), None);
+        assert!(Calendar::default().is_empty() && !calendar.is_empty());
     }
 
     #[test]

@@ -2,8 +2,8 @@
 
 use crate::sources::{Place, Sources};
 use crate::{
-    Calendar, DateSet, DateSets, Dates, Diagnostics, Predecessor, Severity, Time, TimeRange,
-    WbsNode,
+    ActivityKind, Calendar, DateSet, DateSets, Dates, Diagnostics, Kinds, Predecessor, Severity,
+    Time, TimeRange, WbsNode,
 };
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -11,42 +11,6 @@ use std::sync::Arc;
 /// What a file says beside what topout knows: names and values in the file's order. Activities of
 /// one file share the names.
 pub type Fields = Vec<(Arc<str>, Box<str>)>;
-
-/// What an activity does to the elements it is linked to.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
-pub enum ActivityKind {
-    /// Present from its start on.
-    #[default]
-    Construct,
-    /// Absent from its end on.
-    Demolish,
-    /// Present from its start to its end.
-    Temporary,
-    /// Says nothing of presence (inspect, maintain).
-    Neutral,
-}
-
-impl ActivityKind {
-    /// The words that schedules use, the one that is written first.
-    pub const WORDS: [(&'static str, ActivityKind); 6] = [
-        ("construct", ActivityKind::Construct),
-        ("demolish", ActivityKind::Demolish),
-        ("temporary", ActivityKind::Temporary),
-        ("neutral", ActivityKind::Neutral),
-        ("inspect", ActivityKind::Neutral),
-        ("maintain", ActivityKind::Neutral),
-    ];
-
-    /// The kind that a word in a schedule means, in whatever case.
-    pub fn from_word(word: &str) -> Option<Self> {
-        Self::WORDS.iter().find(|(w, _)| w.eq_ignore_ascii_case(word)).map(|&(_, kind)| kind)
-    }
-
-    /// The word that schedules use.
-    pub fn word(self) -> &'static str {
-        Self::WORDS.iter().find(|&&(_, k)| k == self).expect("every kind has a word").0
-    }
-}
 
 /// One leaf task.
 #[derive(Clone, PartialEq, Debug)]
@@ -137,6 +101,8 @@ pub struct Schedule {
     pub calendars: Vec<Calendar>,
     /// The calendar of activities that have none: index in `calendars`.
     pub calendar: Option<u32>,
+    /// What the activities' kinds mean.
+    pub kinds: Kinds,
     /// What else the file said of the project, kept in the file's order.
     pub fields: Fields,
     /// What was found while reading.
@@ -245,6 +211,22 @@ impl Schedule {
             }
         }
         without
+    }
+
+    /// The calendar of the project: its own, else the one that most activities have, else the first;
+    /// one in which nobody ever works does not count.
+    pub fn work_calendar(&self) -> Option<&Calendar> {
+        let mut uses = vec![0usize; self.calendars.len()];
+        for calendar in self.activities.iter().filter_map(|a| a.calendar) {
+            if let Some(count) = uses.get_mut(calendar as usize) {
+                *count += 1;
+            }
+        }
+        let works = |&i: &usize| self.calendars.get(i).is_some_and(|c| !c.is_empty());
+        let own = self.calendar.map(|c| c as usize).filter(works);
+        let most =
+            || (0..uses.len()).filter(works).max_by_key(|&i| (uses[i], std::cmp::Reverse(i)));
+        self.calendars.get(own.or_else(most)?)
     }
 
     /// The names of the summaries above an activity, the outermost first; their codes where they

@@ -19,6 +19,8 @@ impl Schedule {
         write!(out, ", \"end\": {}", date(Some(self.period.end))?)?;
         let mut rest = Members { out, fields: &self.fields };
         rest.date("data_date", self.data_date)?;
+        let kinds = self.kinds.to_write().map(|k| Ok(serde_json::to_string(k)?));
+        rest.write("kinds", list(kinds)?)?;
         rest.write("calendar", self.calendar.map(|c| c.to_string()))?;
         let calendars = self.calendars.iter().map(|c| Ok(serde_json::to_string(c)?));
         rest.write("calendars", list(calendars)?)?;
@@ -46,7 +48,7 @@ impl Schedule {
         write!(
             out,
             ", \"kind\": {}, \"active\": {}",
-            text(activity.kind.word())?,
+            text(&self.kinds.of(activity.kind).name)?,
             activity.active
         )?;
         let mut rest = Members { out: &mut *out, fields: &activity.fields };

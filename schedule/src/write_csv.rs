@@ -32,6 +32,10 @@ impl Schedule {
             let data = serde_json::to_string(calendar)?;
             out.write_record(row("calendar", &[(2, &calendar.name), (21, &data)]))?;
         }
+        for kind in self.kinds.to_write() {
+            let data = serde_json::to_string(kind)?;
+            out.write_record(row("kind", &[(2, &kind.name), (21, &data)]))?;
+        }
         for node in &self.wbs {
             let parent = node.parent.map_or_else(String::new, |p| p.to_string());
             out.write_record(row("wbs", &[(1, &node.code), (2, &node.name), (9, &parent)]))?;
@@ -59,7 +63,7 @@ impl Schedule {
             activity.name.clone(),
             cell(activity.start)?,
             cell(activity.end)?,
-            activity.kind.word().to_owned(),
+            self.kinds.of(activity.kind).name.clone(),
             activity.active.to_string(),
             activity.milestone.to_string(),
             activity.percent_complete.map_or_else(String::new, |p| p.to_string()),

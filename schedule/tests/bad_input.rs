@@ -138,7 +138,7 @@ fn end_before_start() {
     // It stays in the list with its dates, but neither presence nor the period see it.
     let a = by_id(&schedule, "A");
     assert_eq!((a.start, a.dates()), (Some(time("2026-04-01")), None));
-    assert_eq!(presence([a]), topout_schedule::Behaviour::always());
+    assert_eq!(presence(&schedule.kinds, [a]), topout_schedule::Behaviour::always());
     assert_eq!(schedule.period.start, time("2026-05-01"));
     assert_eq!(schedule.period.end, time("2026-05-02"));
 }
@@ -287,7 +287,7 @@ proptest! {
         for content in [&bytes[..], json_like.as_bytes(), csv_like.as_bytes()] {
             for name in ["plan.json", "plan.csv", "plan"] {
                 if let Ok(schedule) = Files::new().add(name, content).try_read(&Default::default()) {
-                    let _ = presence(&schedule.activities);
+                    let _ = presence(&schedule.kinds, &schedule.activities);
                 }
             }
         }

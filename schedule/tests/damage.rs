@@ -32,7 +32,7 @@ fn survives(name: &str, bytes: &[u8]) {
                 assert!(activity.calendar.is_none_or(|c| (c as usize) < schedule.calendars.len()));
                 assert!(schedule.wbs_path(activity).len() <= schedule.wbs.len());
             }
-            let _ = (presence(&schedule.activities), schedule.tally());
+            let _ = (presence(&schedule.kinds, &schedule.activities), schedule.tally());
             schedule.write_json(std::io::sink()).expect("dates that were read can be written");
             schedule.write_csv(std::io::sink()).expect("dates that were read can be written");
         }

@@ -81,8 +81,8 @@ fn kinds() {
         .collect();
     let schedule = json(format!("{{\"activities\": [\n{}]}}", list.join(",\n")));
     let kinds: Vec<_> = schedule.activities.iter().map(|a| a.kind).collect();
-    use ActivityKind::{Construct, Demolish, Neutral, Temporary};
-    assert_eq!(kinds, [Construct, Demolish, Temporary, Neutral, Neutral, Neutral, Construct]);
+    use ActivityKind::{Construct, Demolish, Maintain, Neutral, Temporary};
+    assert_eq!(kinds, [Construct, Demolish, Temporary, Neutral, Neutral, Maintain, Construct]);
     assert_eq!(findings(&schedule), [("unknown-kind", 1)]);
     assert_says(message(&schedule, "unknown-kind"), &["plan.json", "line 8", "weld", "construct"]);
 }

@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use serde_json::Value;
 use support::*;
 use topout_schedule::{
-    Activity, ActivityKind, Calendar, CalendarException, DateSet, Dates, FORMAT, Fields, Lag,
-    LinkKind, Predecessor, Schedule, Shift, Time, TimeRange, WbsNode,
+    Activity, ActivityKind, Calendar, CalendarException, DateSet, Dates, FORMAT, Fields, Kind,
+    Kinds, Lag, LinkKind, Look, Phase, Predecessor, Schedule, Shift, Time, TimeRange, WbsNode,
 };
 
 fn written(schedule: &Schedule) -> String {
@@ -51,6 +51,8 @@ fn any_fields() -> impl Strategy<Value = Fields> {
         "calendar",
         "predecessors",
         "calendars",
+        "kind",
+        "kinds",
         "data_date",
         "data",
         "topout",
@@ -113,6 +115,37 @@ prop_compose! {
     }
 }
 
+fn any_kind() -> impl Strategy<Value = ActivityKind> {
+    let word = prop::sample::select(ActivityKind::WORDS.to_vec());
+    prop_oneof![3 => word.prop_map(|(_, kind)| kind), 1 => (0u8..2).prop_map(ActivityKind::Own)]
+}
+
+fn any_phase() -> impl Strategy<Value = Phase> {
+    let look = (prop::option::of(any::<[u8; 3]>()), 0.01f32..=1.0);
+    let look = look.prop_map(|(color, opacity)| Phase::Shown(Look { color, opacity }));
+    prop_oneof![Just(Phase::Hidden), Just(Phase::Shown(Look::OWN)), look]
+}
+
+prop_compose! {
+    /// Two of the planner's own, and perhaps demolitions that look otherwise.
+    fn any_kinds()(
+        phases in prop::array::uniform2(prop::array::uniform3(any_phase())),
+        names in ("[a-z]{1,3}[;\"|é ]b", "[0-9\\[{]{1,4}"),
+        demolish in prop::option::of(prop::option::of(any::<[u8; 3]>())),
+    ) -> Kinds {
+        let mut kinds = Kinds::default();
+        for ([before, during, after], name) in phases.into_iter().zip([names.0, names.1]) {
+            kinds.define(Kind { name, before, during, after }).expect("another kind");
+        }
+        if let Some(color) = demolish {
+            let during = Phase::Shown(Look { color, opacity: 0.5 });
+            let kind = kinds.of(ActivityKind::Demolish).clone();
+            kinds.define(Kind { during, ..kind }).expect("another look");
+        }
+        kinds
+    }
+}
+
 prop_compose! {
     fn any_activity()(
         id in "[A-Z0-9]{1,3}|[A-C:;FS+\\[ ]{1,6}|\\PC{1,5}",
@@ -120,7 +153,7 @@ prop_compose! {
         start in prop::option::weighted(0.9, any_time()),
         end in prop::option::weighted(0.9, any_time()),
         sets in prop::array::uniform4(any_dates()),
-        kind in prop::sample::select(ActivityKind::WORDS.to_vec()),
+        kind in any_kind(),
         (active, milestone) in any::<(bool, bool)>(),
         percent_complete in prop::option::of(0f32..=100.0),
         (wbs, calendar) in prop::option::of((0u32..5, 0u32..3)).prop_map(Option::unzip),
@@ -129,7 +162,7 @@ prop_compose! {
         fields in any_fields(),
     ) -> Activity {
         let mut activity = Activity {
-            id, name, start, end, kind: kind.1, active, milestone, percent_complete, wbs, calendar,
+            id, name, start, end, kind, active, milestone, percent_complete, wbs, calendar,
             predecessors, elements, fields, ..Activity::default()
         };
         for ((_, set), dates) in DateSet::WORDS.into_iter().zip(sets) {
@@ -148,11 +181,13 @@ prop_compose! {
         wbs in prop::collection::vec(any_node(), 0..5),
         calendars in prop::collection::vec(any_calendar(), 0..3),
         calendar in prop::option::of(0u32..3),
+        kinds in any_kinds(),
         fields in any_fields(),
     ) -> Schedule {
         let period = period.map(|(a, b)| TimeRange { start: a.min(b), end: a.max(b) });
         let mut given = Schedule::new(project, period, Vec::new(), Default::default());
         (given.wbs, given.calendars, given.calendar) = (wbs, calendars, calendar);
+        given.kinds = kinds;
         (given.data_date, given.fields, given.activities) = (data_date, fields, activities);
         given.revalidated()
     }
@@ -170,6 +205,7 @@ fn assert_kept(schedule: &Schedule) -> Result<(), TestCaseError> {
         prop_assert_eq!(&read.activities, &schedule.activities, "{}", content);
         prop_assert_eq!((&read.wbs, read.calendar), (&schedule.wbs, schedule.calendar));
         prop_assert_eq!(&read.calendars, &schedule.calendars);
+        prop_assert_eq!(&read.kinds, &schedule.kinds);
         prop_assert_eq!((read.data_date, &read.fields), (schedule.data_date, &schedule.fields));
         // The first reading reports what it finds; what it finds does not change.
         prop_assert_eq!(written(&read), &*text);
@@ -221,6 +257,8 @@ fn names(object: &Value) -> Vec<&str> {
     names
 }
 
+const KIND: &str = r##"{"name": "Scaffold", "during": {"color": "#E69F00", "opacity": 0.5}}"##;
+
 /// The schema names what the reader takes: given every property that it names, nothing is left over
 /// as an unknown field, and everything that is written is named.
 #[test]
@@ -238,6 +276,7 @@ fn the_schema_names_what_is_read_and_written() {
             "end",
             "finish",
             "format",
+            "kinds",
             "project",
             "start",
             "version",
@@ -303,6 +342,7 @@ fn the_schema_names_what_is_read_and_written() {
     schedule.activities = vec![one, two];
     schedule.wbs = vec![WbsNode::default(), WbsNode { parent: Some(0), ..WbsNode::default() }];
     (schedule.calendars, schedule.calendar, schedule.data_date) = (vec![calendar], Some(0), day);
+    schedule.kinds.define(serde_json::from_str(KIND).expect("a kind")).expect("a new one");
     let text = written(&schedule.revalidated());
     let value: Value = serde_json::from_str(&text).expect("what is written is JSON");
     let named = |given: &Value, schema: &Value| {
@@ -313,6 +353,8 @@ fn the_schema_names_what_is_read_and_written() {
     named(&value["activities"][1], &parts["activity"]);
     named(&value["activities"][1]["predecessors"][0], &parts["predecessor"]);
     named(&value["wbs"][1], &parts["summary"]);
+    named(&value["kinds"][0], &parts["own_kind"]);
+    named(&value["kinds"][0]["during"], &parts["look"]);
     named(&value["calendars"][0], &parts["calendar"]);
     named(&value["calendars"][0]["week"], &parts["calendar"]["properties"]["week"]);
     named(&value["calendars"][0]["exceptions"][0], &parts["exception"]);
@@ -322,7 +364,7 @@ fn the_schema_names_what_is_read_and_written() {
             "id" | "activity_id" | "end" | "finish" => continue,
             _ => format!("{{\"id\": \"A\", \"end\": \"2026-01-02\", \"{other}\": null}}"),
         };
-        let lists = "\"wbs\": null, \"calendars\": null, \"calendar\": null, \"data_date\": null";
+        let lists = "\"kinds\": null, \"wbs\": null, \"calendars\": null, \"calendar\": null, \"data_date\": null";
         let schedule = json(format!("{{{lists}, \"activities\": [{given}]}}"));
         assert!(schedule.activities[0].fields.is_empty(), "{other} is named, but not read");
         assert!(schedule.fields.is_empty());

@@ -18,6 +18,8 @@ struct VertexIn {
     @location(2) row_x: vec4<f32>,
     @location(3) row_y: vec4<f32>,
     @location(4) row_z: vec4<f32>,
+    // See `looked`; 5 is the share of what fades.
+    @location(6) look: u32,
 }
 
 // Of geometry that already is where it belongs.
@@ -37,6 +39,15 @@ struct Placed {
     to_eye: vec3<f32>,
     // Metres above the ground.
     height: f32,
+}
+
+// A material's colour with a look: in the lowest three bytes the roots of linear red, green and blue, then seven
+// bits of opacity, then whether the colour counts. 0 changes nothing.
+fn looked(color: vec4<f32>, look: u32) -> vec4<f32> {
+    let root = unpack4x8unorm(look).rgb;
+    let rgb = select(color.rgb, root * root, look >= 0x80000000u);
+    let opacity = f32((look >> 24u) & 0x7fu) / 127.0;
+    return vec4<f32>(rgb, color.a * select(opacity, 1.0, look == 0u));
 }
 
 fn decode_normal(packed: u32) -> vec3<f32> {

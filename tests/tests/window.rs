@@ -352,7 +352,11 @@ fn coloring_by_level_changes_the_picture_alone_and_can_be_taken_back() {
     let mut harness = open();
     // Figures in milliseconds differ from frame to frame.
     apply(&mut harness, Command::Toggle(Panel::Figures));
+    let by_activity = picture(&mut harness);
+    // Where something is at work, single elements have other colours: another cut.
+    apply(&mut harness, Command::ToggleActivityColors);
     let plain = picture(&mut harness);
+    assert!(by_activity != plain);
     let stats = *state(&harness).frames.last().unwrap();
     apply(&mut harness, Command::ToggleLevelColors);
     let colored = picture(&mut harness);
@@ -365,6 +369,8 @@ fn coloring_by_level_changes_the_picture_alone_and_can_be_taken_back() {
     assert!(plain != colored, "the colours show");
     apply(&mut harness, Command::ToggleLevelColors);
     assert!(plain == picture(&mut harness), "nothing of them is left");
+    apply(&mut harness, Command::ToggleActivityColors);
+    assert!(by_activity == picture(&mut harness));
 }
 
 /// While levels fade frame follows frame; in the end the picture is that of the cut for 0.8 of the tolerance.

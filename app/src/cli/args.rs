@@ -10,7 +10,7 @@ use std::str::FromStr;
 use topout_render::{DrawMode, Occlusion, Sun};
 use topout_scene::NamedView;
 use topout_scene::hdlod::{Simplifier, Temporal};
-use topout_schedule::Time;
+use topout_schedule::{Column, Time};
 
 /// See a building on any day of its construction.
 ///
@@ -63,7 +63,7 @@ pub enum Command {
 /// How files are read.
 #[derive(Args, Debug, Clone)]
 pub struct Reading {
-    /// Schedule (.json, .csv) or links file; may be repeated, all are merged.
+    /// Schedule (.json, .csv, .xml, .xer, .ifc) or links file; may be repeated, all are merged.
     #[arg(long, value_name = "FILE")]
     pub schedule: Vec<PathBuf>,
 
@@ -74,6 +74,23 @@ pub struct Reading {
     /// Text encoding of CSV and XER files, for example windows-1252 [default: UTF-8, else windows-1252].
     #[arg(long, value_name = "NAME")]
     pub encoding: Option<String>,
+
+    /// What a column of CSV schedules means, for example start=Begin; may be repeated.
+    #[arg(long = "column", value_name = "MEANING=HEADING", value_parser = column)]
+    pub columns: Vec<(String, Column)>,
+
+    /// The user-defined field or activity code that says the kinds of activities.
+    #[arg(long, value_name = "FIELD")]
+    pub kind_field: Option<String>,
+}
+
+/// `start=Begin`.
+fn column(text: &str) -> Result<(String, Column), String> {
+    let (word, heading) = text.split_once('=').ok_or("write MEANING=HEADING")?;
+    let meaning = Column::from_word(word.trim()).ok_or_else(|| {
+        format!("{word:?} is no meaning of a column; there are {}", Column::WORDS.join(", "))
+    })?;
+    Ok((heading.trim().to_owned(), meaning))
 }
 
 impl Reading {
@@ -84,6 +101,8 @@ impl Reading {
             schedules: self.schedule.clone(),
             date_format: self.date_format.clone(),
             encoding: self.encoding.clone(),
+            columns: self.columns.clone(),
+            kind_field: self.kind_field.clone(),
         }
     }
 }
@@ -122,6 +141,10 @@ pub struct Common {
     /// Where triangles that nobody sees are left out [default: cpu on software adapters, else gpu].
     #[arg(long, value_name = "WHERE")]
     pub occlusion: Option<OcclusionChoice>,
+
+    /// Which colours elements have [default: own].
+    #[arg(long, value_name = "WHICH", default_value = "own", hide_default_value = true)]
+    pub colors: Colors,
 
     /// Also write one JSON object to this file; - is standard output.
     #[arg(long, value_name = "FILE")]
@@ -347,6 +370,15 @@ pub struct Verify {
     #[allow(missing_docs)]
     #[command(flatten)]
     pub caching: Caching,
+}
+
+/// Which colours elements have.
+#[derive(ValueEnum, Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Colors {
+    /// Those of the model.
+    Own,
+    /// Those of the kinds of activities that are at work on them.
+    Activity,
 }
 
 /// Way of drawing.

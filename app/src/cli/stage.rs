@@ -1,5 +1,6 @@
 //! What `render` and `bench` share: a scene with its tree on a graphics adapter.
 
+use super::args::Colors;
 use super::{args, load, terminal};
 use crate::report::rounded;
 use crate::tree::Baked;
@@ -11,7 +12,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use topout_render::{DrawMode, Gpu, GpuError, Options, Renderer};
 use topout_scene::cache::Cache;
-use topout_scene::{NamedView, Progress, Projection, Scene, View, hdlod};
+use topout_scene::{Looks, NamedView, Progress, Projection, Scene, View, hdlod};
 
 /// A scene that can be drawn.
 pub struct Stage {
@@ -59,6 +60,10 @@ impl Stage {
         phases
             .time("graphics: scene", || renderer.set_scene(&scene))
             .context("cannot bring the scene onto the GPU")?;
+        if args.colors == Colors::Activity {
+            let looks = Arc::new(Looks::of_activities(&scene));
+            renderer.set_looks(Some(&looks)).context("cannot bring the colours onto the GPU")?;
+        }
         let mut baked = None;
         if modes.contains(&DrawMode::Hdlod) {
             let progress = Arc::default();

@@ -32,6 +32,7 @@ const MENUS: [(&str, &[&str]); 5] = [
             "Timeline",
             "Frame figures",
             "Frame times",
+            "Color by activity",
             "Color by level",
             "Fade between levels",
             "Sun…",
@@ -44,6 +45,7 @@ const MENUS: [(&str, &[&str]); 5] = [
             "Play or pause",
             "Play faster",
             "Play slower",
+            "Skip non-working time",
             "",
             "Day forward",
             "Day back",
@@ -91,6 +93,9 @@ fn entry(ui: &mut Ui, state: &AppState, action: &Action, commands: &mut Vec<Comm
         .selected(is_on(state, &action.command));
     let enabled = match (&state.project, &action.command) {
         (Some(project), Command::ReloadSchedule) => !project.request.schedules.is_empty(),
+        (Some(project), Command::ToggleSkipIdle) => {
+            project.scene.schedule.work_calendar().is_some()
+        }
         (project, command) => project.is_some() || !needs_project(command),
     };
     if ui.add_enabled(enabled, button).clicked() {
@@ -102,6 +107,8 @@ fn entry(ui: &mut Ui, state: &AppState, action: &Action, commands: &mut Vec<Comm
 fn is_on(state: &AppState, command: &Command) -> bool {
     match command {
         Command::SetMode(mode) => state.mode == *mode,
+        Command::ToggleActivityColors => state.activity_colors,
+        Command::ToggleSkipIdle => state.skip_idle,
         Command::ToggleLevelColors => state.level_colors,
         Command::ToggleFade => state.fade,
         Command::Toggle(Panel::Inspector) => state.panels.inspector,

@@ -67,6 +67,8 @@ pub enum Command {
     ToStart,
     /// Go to the last instant.
     ToEnd,
+    /// Leave out nights and days off while playing, or not.
+    ToggleSkipIdle,
     /// Days a second while playing.
     SetSpeed(u32),
     /// The next higher speed.
@@ -78,6 +80,8 @@ pub enum Command {
     SetMode(DrawMode),
     /// Largest error allowed on the picture, physical pixels.
     SetTolerance(f32),
+    /// Colour what activities are at work on, or not.
+    ToggleActivityColors,
     /// Colour clusters by their level, or not.
     ToggleLevelColors,
     /// Let levels that follow each other fade into each other, or not.
@@ -210,10 +214,12 @@ pub fn actions() -> Vec<Action> {
         action(C::Toggle(Panel::Graph), "Frame times", Some(S::key(Key::G))),
         action(C::Toggle(Panel::Sun), "Sun…", None),
         action(C::Toggle(Panel::Diagnostics), "Diagnostics", Some(S::key(Key::D))),
+        action(C::ToggleActivityColors, "Color by activity", Some(S::key(Key::A))),
         action(C::ToggleLevelColors, "Color by level", Some(S::key(Key::C))),
         action(C::ToggleFade, "Fade between levels", None),
         action(C::ToggleScheme, "Dark or light", Some(S::key(Key::L))),
         action(C::TogglePlay, "Play or pause", Some(S::key(Key::Space))),
+        action(C::ToggleSkipIdle, "Skip non-working time", None),
         step(1, "Day forward", S::key(Key::ArrowRight)),
         step(-1, "Day back", S::key(Key::ArrowLeft)),
         step(7, "Week forward", S::shift(Key::ArrowRight)),

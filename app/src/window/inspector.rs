@@ -4,11 +4,11 @@ use super::calendar::short_date;
 use super::command::{Command, keys_of};
 use super::loading::Project;
 use super::state::AppState;
-use super::theme::{SMALL, kind_color, kind_name, palette};
+use super::theme::{SMALL, kind_color, palette};
 use crate::report::grouped;
 use egui::{Color32, Rect, RichText, ScrollArea, Sense, Stroke, Ui};
 use topout_scene::ElementId;
-use topout_schedule::{Activity, Behaviour, Preset, Time};
+use topout_schedule::{Activity, Behaviour, Kind, Preset, Time};
 
 /// Activities listed for one element; some schedules link a handful to every element.
 const LISTED: usize = 200;
@@ -123,7 +123,9 @@ fn element_panel(
         ui.label(RichText::new("No activity names this element.").color(palette(ui).weak));
     }
     for &index in activities.iter().take(LISTED) {
-        activity_row(ui, state.time(), &scene.schedule.activities[index as usize], commands);
+        let activity = &scene.schedule.activities[index as usize];
+        let kind = scene.schedule.kinds.of(activity.kind);
+        activity_row(ui, state.time(), activity, kind, commands);
     }
     if activities.len() > LISTED {
         ui.label(format!("… and {} more", activities.len() - LISTED));
@@ -161,24 +163,26 @@ fn presence(behaviour: &Behaviour, start: Time, end: Time) -> Vec<(Time, Time)> 
     spans
 }
 
-fn activity_row(ui: &mut Ui, now: Time, activity: &Activity, commands: &mut Vec<Command>) {
+fn activity_row(
+    ui: &mut Ui,
+    now: Time,
+    activity: &Activity,
+    kind: &Kind,
+    commands: &mut Vec<Command>,
+) {
     let dark = ui.visuals().dark_mode;
-    let color = if activity.active { kind_color(activity.kind, dark) } else { palette(ui).weak };
+    let color = if activity.active { kind_color(kind, dark) } else { palette(ui).weak };
     let name = if activity.name.is_empty() { &activity.id } else { &activity.name };
     let running = activity.start.is_some_and(|s| s <= now) && activity.end.is_some_and(|e| now < e);
     ui.horizontal(|ui| {
         let (dot, response) = ui.allocate_exact_size(egui::vec2(8.0, 16.0), Sense::hover());
         let dot = Rect::from_center_size(dot.center(), egui::vec2(8.0, 8.0));
         ui.painter().rect_filled(dot, 2.0, color);
-        response.on_hover_text(kind_name(activity.kind));
+        response.on_hover_text(&*kind.name);
         let text = RichText::new(name);
         let text = if running { text.strong() } else { text };
-        ui.add(egui::Label::new(text).truncate()).on_hover_text(format!(
-            "{} {}\n{}",
-            activity.id,
-            name,
-            kind_name(activity.kind)
-        ));
+        ui.add(egui::Label::new(text).truncate())
+            .on_hover_text(format!("{} {}\n{}", activity.id, name, kind.name));
     });
     ui.horizontal(|ui| {
         ui.add_space(16.0);

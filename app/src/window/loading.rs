@@ -11,7 +11,7 @@ use std::sync::mpsc::{self, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
 use topout_scene::pick::Picker;
-use topout_scene::{Aabb, Progress, Scene};
+use topout_scene::{Aabb, Looks, Progress, Scene};
 
 /// Called by a worker when it has something to show.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -111,6 +111,8 @@ pub struct Project {
     pub request: Request,
     /// S(t).
     pub scene: Arc<Scene>,
+    /// What activities make elements look like.
+    pub looks: Arc<Looks>,
     /// Rays to elements.
     pub picker: Arc<Picker>,
     /// Counts over time.
@@ -181,6 +183,7 @@ impl Project {
             .filter(|&i| !scene.activities_of(topout_scene::ElementId(i as u32)).is_empty())
             .count();
         Self {
+            looks: Arc::new(Looks::of_activities(&scene)),
             picker: Arc::new(Picker::new(&scene)),
             calendar: Calendar::new(&scene.schedule),
             focus: scene.focus_bounds(),
@@ -195,6 +198,7 @@ impl Project {
     /// The same with another scene of the same model, whose activities touch the same elements.
     pub fn with_dates(&self, request: Request, scene: Arc<Scene>, stamps: Vec<Stamp>) -> Self {
         Self {
+            looks: Arc::new(Looks::of_activities(&scene)),
             picker: Arc::clone(&self.picker),
             calendar: Calendar::new(&scene.schedule),
             focus: self.focus,

@@ -156,6 +156,10 @@ pub struct AppState {
     pub tolerance_px: f32,
     /// Whether clusters take their colour from their level.
     pub level_colors: bool,
+    /// Elements have the colours of what activities do to them.
+    pub activity_colors: bool,
+    /// Playing leaves out when nobody works.
+    pub skip_idle: bool,
     /// Where the light comes from.
     pub sun: Sun,
     /// Whether levels fade into each other.
@@ -203,6 +207,8 @@ impl AppState {
             mode: DrawMode::Hdlod,
             tolerance_px: 1.0,
             level_colors: false,
+            activity_colors: true,
+            skip_idle: false,
             sun: Sun::Fixed,
             fade: false,
             selected: None,
@@ -258,6 +264,7 @@ impl AppState {
             Command::Quit => self.effects.push(Effect::Close),
 
             Command::TogglePlay => self.toggle_play(),
+            Command::ToggleSkipIdle => self.skip_idle = !self.skip_idle,
             Command::StepDays(days) => {
                 self.playing = false;
                 self.set_clock(self.clock + (days * DAY) as f64);
@@ -288,6 +295,7 @@ impl AppState {
                     self.frames.clear();
                 }
             }
+            Command::ToggleActivityColors => self.activity_colors = !self.activity_colors,
             Command::ToggleLevelColors => self.level_colors = !self.level_colors,
             Command::ToggleFade => self.fade = !self.fade,
             Command::SetSun(sun) => self.sun = sun,
@@ -335,12 +343,24 @@ impl AppState {
         }
     }
 
+    /// Goes on to when somebody works, if nights and days off are left out.
+    fn skip_to_work(&mut self) {
+        let Some(project) = self.project.as_ref().filter(|_| self.skip_idle) else { return };
+        let Some(calendar) = project.scene.schedule.work_calendar() else { return };
+        match calendar.next_work(self.time()) {
+            Some(next) if next > self.time() => self.set_clock(next.seconds() as f64),
+            Some(_) => {}
+            None => self.set_clock(self.period().end.seconds() as f64),
+        }
+    }
+
     /// Lets time run on by `seconds` of the user's time.
     pub fn advance(&mut self, seconds: f64) {
         if !self.playing {
             return;
         }
         self.set_clock(self.clock + seconds * f64::from(self.speed) * DAY as f64);
+        self.skip_to_work();
         if self.time() >= self.period().end {
             self.playing = false;
         }
@@ -709,6 +729,38 @@ mod tests {
         assert_eq!(state.time(), day(100));
         state.advance(1.0);
         assert_eq!(state.time(), day(100));
+    }
+
+    #[test]
+    fn playing_can_leave_out_nights_and_days_off() {
+        let mut state = state();
+        let text = r#"{"calendars": [{"week": {"mon": ["08:00-12:00"], "wed": ["08:00-12:00"]}}],
+            "calendar": 0, "activities": [{"id": "A", "start": "2026-11-23", "end": "2026-12-02"}]}"#;
+        let options = topout_schedule::ReadOptions::default();
+        let schedule =
+            topout_schedule::read_bytes("a.json".as_ref(), text.as_bytes(), &options).unwrap();
+        let scene = topout_scene::link::link(topout_scene::Model::default(), schedule);
+        state.show_scene(Request::demo(), Arc::new(scene));
+        let at = |text: &str| Time::parse_iso(text).unwrap();
+        state.apply(Command::SetSpeed(1));
+        state.apply(Command::TogglePlay);
+        state.advance(0.25);
+        assert_eq!(state.time(), at("2026-11-23T06:00:00"));
+        state.apply(Command::ToggleSkipIdle);
+        state.advance(0.0);
+        assert_eq!(state.time(), at("2026-11-23T08:00:00"));
+        state.advance(0.25);
+        assert_eq!(state.time(), at("2026-11-25T08:00:00"), "a Wednesday");
+        state.advance(0.125);
+        assert_eq!(state.time(), at("2026-11-25T11:00:00"), "while somebody works time runs on");
+        state.advance(0.125);
+        assert_eq!(state.time(), at("2026-11-30T08:00:00"));
+        // Scrubbing shows what it is asked for.
+        state.apply(Command::JumpTo(at("2026-11-29T03:00:00")));
+        assert_eq!(state.time(), at("2026-11-29T03:00:00"));
+        state.apply(Command::JumpTo(at("2026-12-02T12:00:00")));
+        state.advance(0.001);
+        assert!(!state.playing && state.time() == state.period().end);
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use egui::{
     Color32, Context, CornerRadius, FontId, Margin, Shadow, Stroke, Style, TextStyle, Theme,
 };
-use topout_schedule::ActivityKind;
+use topout_schedule::Kind;
 
 /// Which of the two looks is shown.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -83,26 +83,12 @@ pub fn palette(ui: &egui::Ui) -> &'static Palette {
     if ui.visuals().dark_mode { &DARK } else { &LIGHT }
 }
 
-/// The colour of what an activity does: construct green, demolish red, temporary amber, others blue.
-pub fn kind_color(kind: ActivityKind, dark: bool) -> Color32 {
-    let (on_dark, on_light) = match kind {
-        ActivityKind::Construct => (0x4FB56C, 0x2B8A47),
-        ActivityKind::Demolish => (0xE0635A, 0xC23B32),
-        ActivityKind::Temporary => (0xE3A93C, 0xB67A06),
-        ActivityKind::Neutral => (0x6FA3DC, 0x3E76B3),
-    };
-    let [_, r, g, b] = (if dark { on_dark } else { on_light } as u32).to_be_bytes();
+/// The colour of a kind of activities: that of elements while one lasts, blue where they keep their own.
+pub fn kind_color(kind: &Kind, dark: bool) -> Color32 {
+    let own = if dark { [0x6F, 0xA3, 0xDC] } else { [0x3E, 0x76, 0xB3] };
+    let phases = [kind.during, kind.after, kind.before];
+    let [r, g, b] = phases.into_iter().find_map(|p| p.look().color).unwrap_or(own);
     Color32::from_rgb(r, g, b)
-}
-
-/// The name of what an activity does.
-pub fn kind_name(kind: ActivityKind) -> &'static str {
-    match kind {
-        ActivityKind::Construct => "construct",
-        ActivityKind::Demolish => "demolish",
-        ActivityKind::Temporary => "temporary",
-        ActivityKind::Neutral => "neutral",
-    }
 }
 
 /// Sets both looks; call once.

@@ -13,7 +13,7 @@ use glam::{UVec2, Vec2, Vec3};
 use std::sync::Arc;
 use std::time::Duration;
 use topout_render::{FrameInput, Gpu, GpuError, Options, Renderer};
-use topout_scene::{Aabb, ElementId, Hdlod, Scene, hdlod};
+use topout_scene::{Aabb, ElementId, Hdlod, Looks, Scene, hdlod};
 
 /// For how long levels that follow each other share the pixels, where they do.
 const FADE: Duration = Duration::from_millis(200);
@@ -29,6 +29,8 @@ pub struct Viewport {
     texture: Option<(TextureId, UVec2)>,
     scene: Option<Arc<Scene>>,
     tree: Option<Arc<Hdlod>>,
+    /// The looks that the renderer has.
+    looks: Option<Arc<Looks>>,
     /// What is uploaded has the colours of levels.
     level_colors: bool,
     /// Whether the next picture will be another.
@@ -72,6 +74,7 @@ impl Viewport {
             texture: None,
             scene: None,
             tree: None,
+            looks: None,
             level_colors: false,
             fading: false,
             drawn: None,
@@ -117,9 +120,8 @@ impl Viewport {
         for command in self.gestures(ui, &response, state, &pixel) {
             state.apply(command);
         }
-        if let Some(error) = self.take_over(state) {
-            state.apply(error);
-        }
+        let errors = [self.take_over(state), self.take_looks(state)];
+        errors.into_iter().flatten().for_each(|error| state.apply(error));
         #[cfg(debug_assertions)]
         self.reload_shaders(ui, state);
         let [r, g, b, _] = palette(ui).accent.to_array();
@@ -225,8 +227,24 @@ impl Viewport {
             }),
         };
         self.scene = Some(Arc::clone(&project.scene));
+        self.looks = None;
+        let taken = taken.and_then(|()| self.renderer.set_looks(None));
         self.tree = tree.cloned();
         self.level_colors = level_colors;
+        self.drawn = None;
+        taken.err().map(|error| Command::Report(error.to_string()))
+    }
+
+    /// Gives elements the looks that are wanted now.
+    fn take_looks(&mut self, state: &AppState) -> Option<Command> {
+        let project = state.project.as_ref()?;
+        let wanted = state.activity_colors && !self.level_colors;
+        let wanted = wanted.then(|| Arc::clone(&project.looks));
+        if wanted.as_ref().map(Arc::as_ptr) == self.looks.as_ref().map(Arc::as_ptr) {
+            return None;
+        }
+        let taken = self.renderer.set_looks(wanted.as_ref());
+        self.looks = wanted;
         self.drawn = None;
         taken.err().map(|error| Command::Report(error.to_string()))
     }

@@ -27,7 +27,7 @@ use glam::{IVec2, Mat4};
 use gpu::{COMMAND_BYTES, GpuCuller, Inputs, Kernels};
 use raster::Screen;
 use topout_scene::hdlod::Span;
-use topout_scene::{ElementId, Hdlod, Layer, Model, View};
+use topout_scene::{ElementId, Hdlod, Layer, LookId, Model, View};
 use wgpu::BufferUsages;
 
 /// Bytes of one index of what is left.
@@ -158,7 +158,7 @@ impl Culler {
         }
     }
 
-    /// Takes the spans of a frame.
+    /// Takes the spans of a frame, all of them with their own look.
     pub fn set_spans(&mut self, spans: &[Span]) {
         if let Way::Cpu { counts, .. } = &mut self.way {
             *counts = [0; 2];
@@ -177,6 +177,7 @@ impl Culler {
             index_count: item.count * 3,
             base_vertex: item.base_vertex,
             layer: if slot < self.opaque_items { Layer::Opaque } else { Layer::Transparent },
+            look: LookId::OWN,
         };
         self.items.iter().enumerate().map(span).collect()
     }

@@ -17,7 +17,7 @@ pub(crate) use smooth::Smooth;
 pub(crate) use solid::Solid;
 
 use crate::gpu::Gpu;
-use crate::pool::{INSTANCE_BYTES, VERTEX_BYTES};
+use crate::pool::{INSTANCE_BYTES, LOOK_BYTES, VERTEX_BYTES};
 use crate::shader::Shader;
 
 /// What the scene is drawn into: gamma-encoded colour; alpha is 255 of 255 where an element is, 253
@@ -128,13 +128,14 @@ pub(crate) fn texture_entry(
 
 pub(crate) const VERTEX_ATTRIBUTES: [wgpu::VertexAttribute; 2] =
     wgpu::vertex_attr_array![0 => Float32x3, 1 => Uint32];
+const LOOK_ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![6 => Uint32];
 const SHARE_ATTRIBUTES: [wgpu::VertexAttribute; 1] = wgpu::vertex_attr_array![5 => Uint32];
 pub(crate) const INSTANCE_ATTRIBUTES: [wgpu::VertexAttribute; 3] =
     wgpu::vertex_attr_array![2 => Float32x4, 3 => Float32x4, 4 => Float32x4];
 
-/// The pool's vertices and instances, and a share of the pixels ([`crate::fade::Share::code`]) that holds for
+/// The pool's vertices, its instances and their looks, and a share of the pixels ([`crate::fade::Share::code`]) that holds for
 /// all.
-fn vertex_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 3] {
+fn vertex_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 4] {
     [
         Some(wgpu::VertexBufferLayout {
             array_stride: VERTEX_BYTES,
@@ -145,6 +146,11 @@ fn vertex_buffers() -> [Option<wgpu::VertexBufferLayout<'static>>; 3] {
             array_stride: INSTANCE_BYTES,
             step_mode: wgpu::VertexStepMode::Instance,
             attributes: &INSTANCE_ATTRIBUTES,
+        }),
+        Some(wgpu::VertexBufferLayout {
+            array_stride: LOOK_BYTES,
+            step_mode: wgpu::VertexStepMode::Instance,
+            attributes: &LOOK_ATTRIBUTES,
         }),
         Some(wgpu::VertexBufferLayout {
             array_stride: 0,
@@ -203,7 +209,7 @@ impl ScenePipeline<'_> {
                 compilation_options: wgpu::PipelineCompilationOptions::default(),
                 buffers: match self.vertices {
                     Vertices::None => &[],
-                    Vertices::Placed => &pool[..2],
+                    Vertices::Placed => &pool[..3],
                     Vertices::Fading => &pool,
                     Vertices::Fixed => &pool[..1],
                 },

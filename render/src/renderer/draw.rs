@@ -5,10 +5,10 @@ use crate::cull::{self, Culler};
 use crate::draw_list::Commands;
 use crate::frame::FrameUniform;
 use crate::input::DrawMode;
-use crate::pool::{Geometry, INSTANCE_BYTES, Pool, VERTEX_BYTES};
+use crate::pool::{Geometry, INSTANCE_BYTES, LOOK_BYTES, Pool, VERTEX_BYTES};
 use crate::targets::Target;
 use crate::timing::{GpuTimer, Pass};
-use topout_scene::{Layer, View};
+use topout_scene::{ElementId, Layer, View};
 use wgpu::util::DrawIndexedIndirectArgs as Command;
 
 impl Renderer {
@@ -103,7 +103,7 @@ impl Renderer {
         let Some(pipeline) = pipeline.filter(|_| self.fader.is_active()) else { return };
         pass.set_pipeline(pipeline);
         for (code, commands) in (0u64..).zip(&self.list.fading) {
-            pass.set_vertex_buffer(2, self.shares.slice(code * 4..code * 4 + 4));
+            pass.set_vertex_buffer(3, self.shares.slice(code * 4..code * 4 + 4));
             self.draw_batch(pass, pool, &pool.scene, commands.elements.of(layer), None);
             if let Some(geometry) = &pool.clusters {
                 self.draw_batch(pass, pool, geometry, commands.clusters.of(layer), None);
@@ -181,13 +181,17 @@ impl Renderer {
     ) -> bool {
         let Some(mut culler) = self.culler.take() else { return false };
         let mut elements = std::mem::take(&mut self.list.visible);
+        // What shines through hides nothing.
+        let through = self.looks.see_through();
+        let clear: Vec<ElementId> = elements.extract_if(.., |id| through.element(*id)).collect();
         let frame = self.cull_frame(view, uniform, covered);
         let done = frame.map(|frame| culler.prepare(&self.gpu, &frame, &mut elements));
+        elements.extend(clear);
         self.list.visible = elements;
         if let Some(Err(error)) = &done {
             tracing::warn!("{error}; drawing also what nobody sees");
             if let Some(pool) = &self.pool {
-                self.list.push_spans(&culler.spans(), pool.identity);
+                self.list.push_spans(&culler.spans(), pool.identity, self.looks.see_through());
             }
             return false;
         }
@@ -260,6 +264,7 @@ impl Renderer {
         }
         pass.set_vertex_buffer(0, geometry.vertices.slice(..));
         pass.set_vertex_buffer(1, pool.instances.slice(..));
+        pass.set_vertex_buffer(2, pool.looks.slice(..));
         pass.set_index_buffer(geometry.indices.slice(..), geometry.format);
         match offset {
             Some(offset) => {
@@ -338,9 +343,12 @@ fn draw_one_by_one(pass: &mut wgpu::RenderPass<'_>, pool: &Pool, commands: &[Com
     for c in commands {
         let vertices = c.base_vertex as u64 * VERTEX_BYTES;
         let indices = u64::from(c.first_index) * u64::from(format.byte_size());
-        let instance = u64::from(c.first_instance) * INSTANCE_BYTES;
+        let row = |bytes: u64| {
+            u64::from(c.first_instance) * bytes..u64::from(c.first_instance + 1) * bytes
+        };
         pass.set_vertex_buffer(0, pool.scene.vertices.slice(vertices..));
-        pass.set_vertex_buffer(1, pool.instances.slice(instance..instance + INSTANCE_BYTES));
+        pass.set_vertex_buffer(1, pool.instances.slice(row(INSTANCE_BYTES)));
+        pass.set_vertex_buffer(2, pool.looks.slice(row(LOOK_BYTES)));
         pass.set_index_buffer(pool.scene.indices.slice(indices..), format);
         pass.draw_indexed(0..c.index_count, 0, 0..1);
     }

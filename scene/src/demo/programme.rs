@@ -4,8 +4,11 @@ use super::DemoError;
 use super::builder::{Part, WorkId};
 use super::design::Design;
 use super::model::storey_code;
+use chrono::{Days, NaiveDate};
 use std::sync::Arc;
-use topout_schedule::{Activity, ActivityKind, Diagnostics, Schedule, Time, TimeRange};
+use topout_schedule::{
+    Activity, ActivityKind, CalendarException, Diagnostics, Schedule, Shift, Time, TimeRange,
+};
 
 /// First and last instant of the project.
 const START: (i32, u32, u32) = (2026, 3, 3);
@@ -338,7 +341,31 @@ impl Writer<'_> {
 pub(super) fn schedule(activities: Vec<Activity>) -> Schedule {
     let (start, end) = period();
     let period = TimeRange { start, end };
-    Schedule::new("Harbour Tower".to_owned(), Some(period), activities, Diagnostics::default())
+    let mut schedule =
+        Schedule::new("Harbour Tower".to_owned(), Some(period), activities, Diagnostics::default());
+    schedule.calendars = vec![site_calendar()];
+    schedule.calendar = Some(0);
+    schedule
+}
+
+/// When the site is open, as [`Calendar`] counts it.
+fn site_calendar() -> topout_schedule::Calendar {
+    let shift = Shift::new(START_SECONDS as u32, START_SECONDS as u32 + DAY_MINUTES as u32 * 60);
+    let day = || shift.into_iter().collect();
+    let closed = |year: i32, month, day| {
+        let first = NaiveDate::from_ymd_opt(year, month, day);
+        first.map(|first| CalendarException {
+            first,
+            last: if month == 12 { first + Days::new(7) } else { first },
+            shifts: Vec::new(),
+        })
+    };
+    let years = START.0..=START.0 + 3;
+    topout_schedule::Calendar {
+        name: "Site".to_owned(),
+        week: [day(), day(), day(), day(), day(), Vec::new(), Vec::new()],
+        exceptions: years.flat_map(|y| [closed(y, 1, 1), closed(y, 12, 24)]).flatten().collect(),
+    }
 }
 
 #[cfg(test)]
@@ -356,6 +383,16 @@ mod tests {
         assert_eq!(calendar.start(4 * 540).to_string(), "2026-03-09T08:00:00");
         assert_eq!(calendar.end(calendar.total()).to_string(), "2028-07-24T13:00:00");
         assert_eq!(period().1, calendar.end(calendar.total()));
+    }
+
+    #[test]
+    fn the_schedule_says_when_the_site_is_open() {
+        let (site, calendar) = (site_calendar(), Calendar::new());
+        let days = &calendar.days[..calendar.days.len() - 1];
+        for (day, next) in days.iter().zip(&calendar.days[1..]) {
+            assert_eq!(site.next_work(day.plus_seconds(-60)), Some(*day));
+            assert_eq!(site.next_work(day.plus_seconds(DAY_MINUTES * 60)), Some(*next));
+        }
     }
 
     #[test]

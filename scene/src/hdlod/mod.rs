@@ -13,6 +13,7 @@
 //! | other dates for a tree | `restate`, `repair`, `renumber` | H6, H7, R11 |
 //! | what the tree is like | `report`, `paint` | H13, H14 |
 //! | what to draw | `select` | H8, H9, H10, R1, R5 to R8 |
+//! | looks at a date | `marks` | |
 //! | is all of this true? | `verify`, `audit` | H4 to H7, R2, R3, R7, R8, R10, R11 |
 //!
 //! What is promised, mode [`Temporal::Tight`]: at every date, every point that a cluster draws is
@@ -32,6 +33,7 @@ mod grouping;
 mod hilbert;
 mod indices;
 mod ladder;
+mod marks;
 mod mixture;
 mod paint;
 mod palette;
@@ -51,14 +53,15 @@ pub mod verify;
 
 pub use build::build;
 pub use indices::Indices;
+pub use marks::Marks;
 pub use paint::color_by_level;
 pub use palette::blends;
 pub use report::LevelReport;
 pub use restate::{OtherScene, Pair, Parents, Restated};
-pub use select::{delta_m, draws_part, select};
+pub use select::{delta_m, draws_part, select, select_marked};
 pub use soup::Run;
 
-use crate::{Aabb, BehaviourId, ElementId, Layer, Vertex};
+use crate::{Aabb, BehaviourId, ElementId, Layer, LookId, Vertex};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
@@ -294,8 +297,10 @@ pub struct Span {
     pub index_count: u32,
     /// Added to every index; a place in [`Hdlod::vertices`].
     pub base_vertex: u32,
-    /// Which pass draws it.
+    /// Which pass draws it, unless its look is see-through.
     pub layer: Layer,
+    /// How it looks.
+    pub look: LookId,
 }
 
 /// A cluster of a cut.

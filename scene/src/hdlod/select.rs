@@ -1,7 +1,7 @@
 //! Display (Fig. 4; H8, H9 with R1, R5 to R8): the cut of the tree for a view at a date.
 
-use super::{Cluster, Drawn, Hdlod, Node, Selection, Span, Temporal};
-use crate::{Containment, ElementId, Frustum, Layer, Lens, Scene, View};
+use super::{Cluster, Drawn, Hdlod, Marks, Node, Selection, Span, Temporal};
+use crate::{Containment, ElementId, Frustum, Layer, Lens, LookId, Scene, View};
 use topout_schedule::{Share, Time};
 
 /// Whether mode paper draws a cluster that is good enough, or leaves it out (R1): the smaller of
@@ -28,6 +28,22 @@ pub fn delta_m(cluster: &Cluster, share: Share) -> f32 {
 /// draws then is exact in time (R11). Paper: delta decides, and the cluster is drawn whole or
 /// left out (R1, R13). A leaf that is present is drawn (R6).
 pub fn select(scene: &Scene, hdlod: &Hdlod, view: &View, time: Time) -> Selection {
+    cut(scene, hdlod, view, time, None)
+}
+
+/// [`select`] where elements have looks: a cluster of which those that are present look different is
+/// not drawn, unless all of it is smaller than the tolerance. `marks` are those of the same date.
+pub fn select_marked(
+    scene: &Scene,
+    hdlod: &Hdlod,
+    view: &View,
+    time: Time,
+    marks: &Marks,
+) -> Selection {
+    cut(scene, hdlod, view, time, Some(marks))
+}
+
+fn cut(scene: &Scene, hdlod: &Hdlod, view: &View, time: Time, marks: Option<&Marks>) -> Selection {
     let mut walk = Walk {
         scene,
         hdlod,
@@ -35,6 +51,7 @@ pub fn select(scene: &Scene, hdlod: &Hdlod, view: &View, time: Time) -> Selectio
         lens: view.lens(),
         frustum: view.frustum(),
         time,
+        marks,
         out: Selection::default(),
     };
     if let Some(root) = hdlod.root {
@@ -85,6 +102,7 @@ struct Walk<'a> {
     lens: Lens,
     frustum: Frustum,
     time: Time,
+    marks: Option<&'a Marks>,
     out: Selection,
 }
 
@@ -125,21 +143,29 @@ impl Walk<'_> {
         }
         let Some(delta) = self.hdlod.delta_at(cluster, self.time) else { return };
         let error_px = self.lens.error_px(delta, &cluster.bounds);
-        if cluster.stale || error_px > self.tolerance_px {
+        let look = match self.marks {
+            None => Some(LookId::OWN),
+            Some(marks) => marks.of_cluster(index).or_else(|| {
+                // Nobody can tell its parts apart.
+                let size = self.lens.error_px(cluster.bounds.diameter(), &cluster.bounds);
+                (size <= self.tolerance_px).then_some(LookId::OWN)
+            }),
+        };
+        let Some(look) = look.filter(|_| !cluster.stale && error_px <= self.tolerance_px) else {
             for i in cluster.children.clone() {
                 self.node(self.hdlod.children[i as usize], inside);
             }
             return;
-        }
+        };
         self.out.worst_px = self.out.worst_px.max(error_px);
-        self.draw(index, cluster);
+        self.draw(index, cluster, look);
     }
 
-    fn draw(&mut self, index: u32, cluster: &Cluster) {
+    fn draw(&mut self, index: u32, cluster: &Cluster, look: LookId) {
         let before = self.out.spans.len();
         spans(self.scene, self.hdlod, cluster, self.time, |span| {
             self.out.triangles += u64::from(span.index_count) / 3;
-            self.out.spans.push(span);
+            self.out.spans.push(Span { look, ..span });
         });
         let end = self.out.spans.len();
         self.out.clusters += u32::from(end > before);
@@ -162,6 +188,7 @@ pub(crate) fn spans(
                 index_count: to - from,
                 base_vertex: cluster.base_vertex,
                 layer,
+                look: LookId::OWN,
             });
         };
         match hdlod.temporal {
@@ -176,6 +203,7 @@ pub(crate) fn spans(
 
 #[cfg(test)]
 mod tests {
+    use super::super::Parents;
     use super::super::tests::{built, scene};
     use super::*;
     use glam::UVec2;
@@ -206,6 +234,49 @@ mod tests {
                 }
             }
             prop_assert_eq!(next, cut.spans.len());
+        }
+
+        /// What is drawn has the look of every element that it stands for, and without looks the cut is
+        /// the one that there always was.
+        #[test]
+        fn looks_are_never_mixed(
+            scene in scene(), time in 0i64..100, away in 1f32..30.0,
+            looks in proptest::collection::vec(0u16..3, 64),
+        ) {
+            let tree = built(&scene, Temporal::Tight);
+            let parents = Parents::of(&tree);
+            let view = View::fit(&scene.model.bounds(), 30.0, 20.0, away, UVec2::new(640, 360));
+            let time = Time::from_seconds(time);
+            let look = |e: ElementId| LookId(looks[e.index() % looks.len()]);
+            let all = (0..scene.model.elements.len() as u32).map(ElementId);
+            let marked: Vec<_> =
+                all.clone().map(|e| (e, look(e))).filter(|(_, l)| *l != LookId::OWN).collect();
+            let mut marks = Marks::default();
+            marks.set(&scene, &tree, &parents, &marked, time);
+            let cut = select_marked(&scene, &tree, &view, time, &marks);
+            let drawn_by = |cluster: u32| cut.drawn.iter().find(|d| d.cluster == cluster);
+            for element in all.filter(|&e| scene.behaviour(e).at(time)) {
+                let above = parents.above(Node::Leaf(element)).find_map(drawn_by);
+                let by_itself = cut.elements.contains(&element);
+                prop_assert!(by_itself != above.is_some());
+                let Some(drawn) = above else { continue };
+                let cluster = &tree.clusters[drawn.cluster as usize];
+                let size = view.error_px(cluster.bounds.diameter(), &cluster.bounds);
+                for span in &cut.spans[drawn.spans.clone()] {
+                    prop_assert!(span.look == look(element) || size <= view.tolerance_px);
+                }
+            }
+            marks.clear();
+            prop_assert_eq!(
+                select_marked(&scene, &tree, &view, time, &marks),
+                select(&scene, &tree, &view, time)
+            );
+            // All alike.
+            let red: Vec<_> =
+                (0..scene.model.elements.len() as u32).map(|e| (ElementId(e), LookId(1))).collect();
+            marks.set(&scene, &tree, &parents, &red, time);
+            let cut = select_marked(&scene, &tree, &view, time, &marks);
+            prop_assert!(cut.spans.iter().all(|s| s.look == LookId(1)));
         }
     }
 }

@@ -20,9 +20,7 @@ use crate::{BehaviourId, ElementId, Model, Scene};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
-use topout_schedule::{
-    Activity, ActivityKind, Behaviour, Diagnostics, Schedule, Severity, presence,
-};
+use topout_schedule::{Activity, Behaviour, Diagnostics, Kinds, Schedule, Severity, presence};
 
 /// How well model and schedule fit.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Serialize)]
@@ -78,8 +76,7 @@ pub fn link_by(
     let (rules, model) = (rules.into(), model.into());
     let Linked { activity_starts, activity_links, reports, diagnostics } =
         apply::links(&rules, &model, &schedule);
-    let (behaviours, element_behaviour) =
-        behaviours(&schedule.activities, &activity_starts, &activity_links);
+    let (behaviours, element_behaviour) = behaviours(&schedule, &activity_starts, &activity_links);
     let mut scene = Scene {
         model,
         schedule,
@@ -132,14 +129,18 @@ impl RuleReport {
 }
 
 /// The behaviour of an element with these activities.
-pub(crate) fn presence_by_activities(activities: &[Activity], list: &[u32]) -> Behaviour {
-    presence(list.iter().map(|&a| &activities[a as usize]))
+pub(crate) fn presence_by_activities(
+    kinds: &Kinds,
+    activities: &[Activity],
+    list: &[u32],
+) -> Behaviour {
+    presence(kinds, list.iter().map(|&a| &activities[a as usize]))
 }
 
 /// Distinct behaviours and that of each element. Elements with the same activities share theirs,
 /// so presence is worked out once for each distinct list.
 fn behaviours(
-    activities: &[Activity],
+    schedule: &Schedule,
     starts: &[u32],
     links: &[u32],
 ) -> (Vec<Behaviour>, Vec<BehaviourId>) {
@@ -154,8 +155,10 @@ fn behaviours(
             })
         })
         .collect();
-    let worked_out: Vec<_> =
-        distinct.par_iter().map(|list| presence_by_activities(activities, list)).collect();
+    let worked_out: Vec<_> = distinct
+        .par_iter()
+        .map(|list| presence_by_activities(&schedule.kinds, &schedule.activities, list))
+        .collect();
     let mut known: HashMap<Behaviour, BehaviourId> = HashMap::new();
     let mut behaviours = Vec::new();
     let ids: Vec<BehaviourId> = worked_out
@@ -181,7 +184,7 @@ pub(crate) fn note_unlinked(scene: &mut Scene) {
     }
     for (a, (activity, touched)) in scene.schedule.activities.iter().zip(touched).enumerate() {
         // What says nothing of presence needs no element.
-        if !touched && activity.kind != ActivityKind::Neutral {
+        if !touched && !scene.schedule.kinds.of(activity.kind).is_neutral() {
             let Activity { id, name, .. } = activity;
             scene.link_diagnostics.add(Severity::Warning, "unlinked-activity", id.as_str(), || {
                 let place = scene.schedule.place(a);

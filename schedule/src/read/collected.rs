@@ -1,13 +1,14 @@
 //! What the files said, before it is validated.
 
+use super::ReadOptions;
 use super::dates::DateReader;
 use super::error::ReadError;
 use super::links::{self, Links};
 use super::tasklinks::TaskLinks;
 use crate::sources::{Place, Source, Sources};
 use crate::{
-    Activity, ActivityKind, Calendar, Diagnostics, Fields, Schedule, Severity, Time, TimeError,
-    WbsNode,
+    Activity, ActivityKind, Calendar, Diagnostics, Fields, Kind, Kinds, Schedule, Severity, Time,
+    TimeError, WbsNode,
 };
 use std::collections::HashSet;
 use std::path::Path;
@@ -27,6 +28,9 @@ pub(super) struct Collected {
     pub(super) wbs: Vec<WbsNode>,
     pub(super) calendars: Vec<Calendar>,
     pub(super) calendar: Option<u32>,
+    pub(super) kinds: Kinds,
+    /// Kinds that are not built in: of which activity. What they mean may stand after the activities.
+    kind_words: Vec<(usize, Box<str>)>,
     pub(super) sources: Sources,
     pub(super) links: Links,
     /// Links between activities by their ids.
@@ -35,6 +39,8 @@ pub(super) struct Collected {
     empty_files: Vec<usize>,
     /// Activities before the file that is being read.
     before_file: usize,
+    /// The file that is being read defines kinds, so it says something without activities.
+    pub(super) kinds_in_file: bool,
     names: HashSet<Arc<str>>,
     pub(super) diagnostics: Diagnostics,
 }
@@ -43,6 +49,7 @@ impl Collected {
     pub(super) fn begin_file(&mut self, path: &Path) {
         self.sources.files.push(path.display().to_string());
         self.before_file = self.activities.len();
+        self.kinds_in_file = false;
     }
 
     /// Index of the first activity of the file that is being read.
@@ -52,7 +59,7 @@ impl Collected {
 
     /// A schedule was read; one without activities is reported.
     pub(super) fn end_schedule(&mut self) {
-        if self.activities.len() == self.before_file {
+        if self.activities.len() == self.before_file && !self.kinds_in_file {
             self.empty_files.push(self.current_file());
         }
     }
@@ -169,8 +176,48 @@ impl Collected {
         self.sources.activities.push(Source { place, dates_reported, links: Vec::new() });
     }
 
+    /// Defines a kind.
+    pub(super) fn define_kind(&mut self, kind: Kind, place: Place) {
+        let name = kind.name.clone();
+        if let Err(reason) = self.kinds.define(kind) {
+            self.report(Severity::Error, "bad-kind", &name, place, || reason);
+        }
+    }
+
+    /// Gives activities their kinds, now that all are known: by their words, else by a field.
+    fn find_kinds(&mut self, field: Option<&str>) {
+        let mut by_field = Vec::new();
+        if let Some(field) = field {
+            for (i, activity) in self.activities.iter().enumerate() {
+                let value =
+                    activity.fields.iter().find(|(n, _)| n.trim().eq_ignore_ascii_case(field));
+                if let Some((_, word)) = value.filter(|(_, word)| !word.trim().is_empty()) {
+                    by_field.push((i, word.trim().into()));
+                }
+            }
+            if by_field.is_empty() {
+                self.diagnostics.add(Severity::Warning, "no-kinds", field, || {
+                    format!("no activity has a field {field:?} that could say its kind")
+                });
+            }
+        }
+        for (i, word) in std::mem::take(&mut self.kind_words).into_iter().chain(by_field) {
+            let id = self.activities[i].id.clone();
+            match self.kinds.find(&word) {
+                Some(kind) => self.activities[i].kind = kind,
+                None => {
+                    let place = self.sources.activities[i].place;
+                    self.report(Severity::Warning, "unknown-kind", &id, place, || {
+                        format!("kind {word:?} of {id:?} is unknown; taken as construct")
+                    });
+                }
+            }
+        }
+    }
+
     /// Links, validates, and refuses what nothing can be made of.
-    pub(super) fn finish(mut self) -> Result<Schedule, ReadError> {
+    pub(super) fn finish(mut self, options: &ReadOptions) -> Result<Schedule, ReadError> {
+        self.find_kinds(options.kind_field.as_deref().map(str::trim));
         links::attach(&mut self);
         TaskLinks::attach(&mut self);
         for &file in &self.empty_files {
@@ -203,6 +250,7 @@ impl Collected {
             wbs: self.wbs,
             calendars: self.calendars,
             calendar: self.calendar,
+            kinds: self.kinds,
             fields: self.fields,
             diagnostics: self.diagnostics,
             sources: self.sources,
@@ -261,12 +309,10 @@ impl Collected {
             }
         }
         if let Some(word) = given(texts.kind) {
-            activity.kind = ActivityKind::from_word(word.trim()).unwrap_or_else(|| {
-                self.report(Severity::Warning, "unknown-kind", &id, place, || {
-                    format!("kind {word:?} of {id:?} is unknown; taken as construct")
-                });
-                ActivityKind::default()
-            });
+            match ActivityKind::from_word(word.trim()) {
+                Some(kind) => activity.kind = kind,
+                None => self.kind_words.push((self.activities.len(), word.trim().into())),
+            }
         }
         if let Some(word) = given(texts.active) {
             activity.active = truth(word.trim()).unwrap_or_else(|| {

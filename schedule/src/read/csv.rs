@@ -49,6 +49,30 @@ pub enum Column {
 }
 
 impl Column {
+    /// The words of [`Column::from_word`], one for each meaning.
+    pub const WORDS: [&'static str; 20] = [
+        "id",
+        "name",
+        "start",
+        "end",
+        "planned_start",
+        "planned_end",
+        "actual_start",
+        "actual_end",
+        "baseline_start",
+        "baseline_end",
+        "forecast_start",
+        "forecast_end",
+        "kind",
+        "active",
+        "milestone",
+        "percent_complete",
+        "wbs",
+        "predecessors",
+        "elements",
+        "field",
+    ];
+
     /// The meaning that a word names: `id`, `start`, `planned_start`, `baseline_end`, `wbs` ...
     pub fn from_word(word: &str) -> Option<Self> {
         let word = word.to_ascii_lowercase();

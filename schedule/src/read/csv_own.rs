@@ -1,4 +1,4 @@
-//! The tables that topout writes: everything a schedule holds, in rows of four kinds.
+//! The tables that topout writes: everything a schedule holds, in rows of five sorts.
 //!
 //! The first column says what a row is. Cells are taken to the letter. What no cell can hold stands
 //! as JSON in the column `data`; columns after that are fields.
@@ -9,7 +9,7 @@ use super::error::ReadError;
 use super::json::predecessor;
 use super::read_predecessor;
 use super::table::{Header, Table};
-use crate::{Activity, Calendar, Severity, WbsNode};
+use crate::{Activity, Calendar, Kind, Severity, WbsNode};
 use serde_json::value::RawValue;
 use std::sync::Arc;
 
@@ -85,6 +85,11 @@ impl Own {
                     let calendar = own.json::<Calendar>(table, line, all).unwrap_or_default();
                     all.calendars.push(calendar);
                 }
+                "kind" => {
+                    if let Some(kind) = own.json::<Kind>(table, line, all) {
+                        all.define_kind(kind, all.line(line));
+                    }
+                }
                 "wbs" => {
                     let [code, name] = [1, 2].map(|c| table.cell(Some(c)).to_owned());
                     let parent = own.number(table, 9, own.outline);
@@ -93,7 +98,7 @@ impl Own {
                 other => {
                     all.report(Severity::Warning, "unknown-row", other, all.line(line), || {
                         format!(
-                            "a row is {other:?}, not activity, project, calendar or wbs; left out"
+                            "a row is {other:?}, not activity, project, calendar, kind or wbs; left out"
                         )
                     })
                 }

@@ -88,6 +88,7 @@ impl Project {
             let date = text.and_then(|t| all.date(dates.start(&t), "data date", "", place));
             all.data_date = all.data_date.max(date);
         }
+        self.read_kinds(all);
         self.read_outline(all);
         self.read_calendars(all);
         for (name, chunk) in std::mem::take(&mut self.members) {
@@ -95,6 +96,21 @@ impl Project {
                 let value = all.field_text(&name, &field_text(raw), all.line(chunk.line));
                 let name = all.name(&name);
                 all.fields.push((name, value));
+            }
+        }
+    }
+
+    fn read_kinds(&mut self, all: &mut Collected) {
+        let Some(chunk) = self.take_if("kinds", b"[") else { return };
+        let raws: Option<Vec<&RawValue>> = serde_json::from_str(&chunk.text).ok().flatten();
+        for raw in raws.into_iter().flatten() {
+            let place = all.line(chunk.line_of(offset_in(&chunk.text, raw)));
+            match serde_json::from_str(raw.get()) {
+                Ok(kind) => {
+                    all.kinds_in_file = true;
+                    all.define_kind(kind, place);
+                }
+                Err(error) => wrong_type(all, place, "kinds", "a member", &without_place(&error)),
             }
         }
     }

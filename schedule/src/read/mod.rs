@@ -50,6 +50,9 @@ pub struct ReadOptions {
     /// What columns of CSV schedules mean, by their names in whatever case. Other columns mean what
     /// their own names say.
     pub columns: Vec<(String, Column)>,
+    /// The field that says the kinds of activities, for formats that have no place for them: a
+    /// user-defined field or an activity code, in whatever case.
+    pub kind_field: Option<String>,
 }
 
 /// Reads and merges schedules (topout JSON, CSV, Microsoft Project XML, Primavera P6 XER and XML,
@@ -63,7 +66,7 @@ pub fn read_files(paths: &[PathBuf], options: &ReadOptions) -> Result<Schedule, 
     for path in paths {
         read_input(&Input::file(path)?, options, &dates, &mut all)?;
     }
-    all.finish()
+    all.finish(options)
 }
 
 /// [`read_files`] for one file that is in memory; `name` stands for its path.
@@ -71,7 +74,7 @@ pub fn read_bytes(name: &Path, bytes: &[u8], options: &ReadOptions) -> Result<Sc
     let dates = DateReader::new(options.date_format.as_deref())?;
     let mut all = Collected::default();
     read_input(&Input::bytes(name, bytes), options, &dates, &mut all)?;
-    all.finish()
+    all.finish(options)
 }
 
 fn read_input(

@@ -416,6 +416,7 @@ impl<'a> Check<'a> {
                         index_count: range.len() as u32,
                         base_vertex: self.cluster.base_vertex(),
                         layer,
+                        look: crate::LookId::OWN,
                     };
                     geometry::span(self.hdlod, &span, 0, &mut drawn);
                 }

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used)]
 use super::*;
 use crate::{Element, Group, GroupId};
-use topout_schedule::Time;
+use topout_schedule::{ActivityKind, Time};
 
 mod by_rules;
 

@@ -1,0 +1,8 @@
+#![no_main]
+
+use topout_schedule_fuzz::{fixtures, survives, write_seed};
+
+libfuzzer_sys::fuzz_target!(
+    init: write_seed("mspdi", fixtures::MSPDI),
+    |bytes: &[u8]| survives("plan.xml", bytes)
+);

@@ -1,0 +1,8 @@
+#![no_main]
+
+use topout_schedule_fuzz::{fixtures, survives, write_seed};
+
+libfuzzer_sys::fuzz_target!(
+    init: write_seed("xer", fixtures::XER),
+    |bytes: &[u8]| survives("plan.xer", bytes)
+);
