@@ -8,6 +8,7 @@ use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::sync::Arc;
+use topout_scene::link::{RuleReport, Suggestion, suggest};
 use topout_scene::{ElementId, Progress, Scene};
 use topout_schedule::{Diagnostic, Preset, Severity};
 
@@ -31,6 +32,13 @@ pub struct Report {
     start: Option<String>,
     finish: Option<String>,
     behaviours: Map<String, Value>,
+    /// What each rule of linking did, in order; then what links by hand did.
+    rules: Vec<RuleReport>,
+    /// Rules that would link more, best first, where much is left; see the manual.
+    suggestions: Vec<Value>,
+    /// The same in a sentence.
+    #[serde(skip)]
+    suggested: Option<String>,
     diagnostics: Vec<Diagnostic>,
 }
 
@@ -57,6 +65,12 @@ impl Report {
         let linked_activities = scene.activity_links.iter().collect::<BTreeSet<_>>().len();
         let activities = scene.schedule.activities.len();
         let bounds = model.bounds();
+        let suggested = suggest::needed(scene).then(|| suggest::suggest(model, &scene.schedule));
+        let more = |s: &&Suggestion| {
+            s.elements > linked_elements || s.activities > linked_activities
+        };
+        let suggestions: Vec<&Suggestion> =
+            suggested.iter().flat_map(|s| &s.best).filter(more).collect();
         let period = (activities > 0).then_some(scene.schedule.period);
         Self {
             name: model.name.clone(),
@@ -77,6 +91,9 @@ impl Report {
             start: period.map(|p| p.start.to_string()),
             finish: period.map(|p| p.end.to_string()),
             behaviours: behaviours(scene),
+            rules: scene.rule_reports.clone(),
+            suggestions: suggestions.iter().map(|s| s.to_value()).collect(),
+            suggested: suggested.as_ref().map(ToString::to_string),
             diagnostics: scene.diagnostics.iter().cloned().collect(),
         }
     }
@@ -114,6 +131,7 @@ impl Report {
                 ("activities", of(self.linked_activities, self.unlinked_activities)),
             ];
             section("Links", "", &rows);
+            text.push_str(&self.rules_text());
         } else {
             section("Schedule", "none: everything is there at all times", &[]);
         }
@@ -126,6 +144,41 @@ impl Report {
         }
         text.push_str(&columns(&rows));
         text.push_str(&self.findings());
+        text
+    }
+
+    /// What each rule did, and which rules would do more.
+    fn rules_text(&self) -> String {
+        let mut text = "Rules\n".to_owned();
+        for rule in &self.rules {
+            let _ = writeln!(
+                text,
+                "  {:<16}{} elements, {} activities, {} links; {} of {} keys left over",
+                rule.name,
+                count(rule.elements),
+                count(rule.activities),
+                count(rule.links),
+                count(rule.keys_left),
+                count(rule.keys)
+            );
+            if rule.left_to_earlier > 0 {
+                let elements = count(rule.left_to_earlier);
+                let _ = writeln!(text, "  {:<16}{elements} elements left to earlier rules", "");
+            }
+            if !rule.examples_left.is_empty() {
+                let more = if rule.keys_left > rule.examples_left.len() { ", ..." } else { "" };
+                let left = rule.examples_left.join(", ");
+                let _ = writeln!(text, "  {:<16}left over: {left}{more}", "");
+            }
+        }
+        if let Some(suggested) = self.suggested.as_ref().filter(|_| !self.suggestions.is_empty()) {
+            let _ = writeln!(text, "Suggestions {suggested}");
+            for suggestion in &self.suggestions {
+                let said = suggestion["text"].as_str().unwrap_or_default();
+                let _ = writeln!(text, "  {said}\n    {}", suggestion["rule"]);
+            }
+            text.push_str("  Put these under \"rules\" of a file for --rules.\n");
+        }
         text
     }
 

@@ -14,7 +14,7 @@ pub(crate) use apply::Linked;
 pub use resync::{Moved, Resync};
 pub use rules::Rules;
 pub use rules_read::RulesError;
-pub use suggest::{Suggestion, suggest};
+pub use suggest::{Suggestion, Suggestions};
 
 use crate::{BehaviourId, ElementId, Model, Scene};
 use rayon::prelude::*;
