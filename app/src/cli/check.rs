@@ -66,9 +66,8 @@ impl Report {
         let activities = scene.schedule.activities.len();
         let bounds = model.bounds();
         let suggested = suggest::needed(scene).then(|| suggest::suggest(model, &scene.schedule));
-        let more = |s: &&Suggestion| {
-            s.elements > linked_elements || s.activities > linked_activities
-        };
+        let more =
+            |s: &&Suggestion| s.elements > linked_elements || s.activities > linked_activities;
         let suggestions: Vec<&Suggestion> =
             suggested.iter().flat_map(|s| &s.best).filter(more).collect();
         let period = (activities > 0).then_some(scene.schedule.period);

@@ -6,6 +6,7 @@ use crate::{Element, Group, GroupId};
 use topout_schedule::{ActivityKind, Time};
 
 mod by_rules;
+mod real;
 
 fn element(name: &str, guid: Option<&str>, group: Option<u32>) -> Element {
     Element {
