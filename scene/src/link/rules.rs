@@ -231,6 +231,18 @@ impl Rules {
         self.rules.iter().all(|rule| rule.activity.by == ActivityBy::Elements)
     }
 
+    /// Links an element by its name or guid to an activity by hand.
+    pub fn attach(&mut self, activity: &str, element: &str) {
+        unlist(&mut self.detached, activity, element);
+        list(&mut self.attached, activity, element);
+    }
+
+    /// Unlinks an element from an activity by hand.
+    pub fn detach(&mut self, activity: &str, element: &str) {
+        unlist(&mut self.attached, activity, element);
+        list(&mut self.detached, activity, element);
+    }
+
     /// The file's text; [`Rules::parse`] reads it back.
     pub fn to_json(&self) -> String {
         let links = |links: &[HandLink]| -> Value {
@@ -249,6 +261,26 @@ impl Rules {
         text.push('\n');
         text
     }
+}
+
+fn list(links: &mut Vec<HandLink>, activity: &str, element: &str) {
+    let link = match links.iter().position(|link| link.activity == activity) {
+        Some(place) => &mut links[place],
+        None => {
+            links.push(HandLink { activity: activity.to_owned(), elements: Vec::new() });
+            links.last_mut().expect("it was pushed")
+        }
+    };
+    if !link.elements.iter().any(|e| e == element) {
+        link.elements.push(element.to_owned());
+    }
+}
+
+fn unlist(links: &mut Vec<HandLink>, activity: &str, element: &str) {
+    for link in links.iter_mut().filter(|link| link.activity == activity) {
+        link.elements.retain(|e| e != element);
+    }
+    links.retain(|link| !link.elements.is_empty());
 }
 
 impl Rule {

@@ -184,11 +184,26 @@ fn sources<'a>(schedule: &'a Schedule, wbs: &'a WbsKeys) -> Vec<Source<'a>> {
     let source = |by: ActivityBy| {
         let mut distinct: HashSet<&str> = HashSet::new();
         let mut texts = Vec::new();
+        // Every n-th, so that the sample comes from everywhere: n doubles whenever it is full.
+        let (mut step, mut number) = (1, 0);
         keys::each_text_of_schedule(schedule, &by, wbs, &mut |text, _, _| {
-            // All of a large list would cost more than they tell: the first and then ever fewer.
-            if !text.is_empty() && texts.len() < SAMPLE && distinct.insert(text) {
-                texts.push(text);
+            if text.is_empty() || !distinct.insert(text) {
+                return;
             }
+            if number % step == 0 {
+                if texts.len() == SAMPLE {
+                    let mut even = false;
+                    texts.retain(|_| {
+                        even = !even;
+                        even
+                    });
+                    step *= 2;
+                }
+                if number % step == 0 {
+                    texts.push(text);
+                }
+            }
+            number += 1;
         });
         let numbered = texts.iter().filter(|t| pattern.find(t).is_some()).count();
         let numbered = numbered * 2 > texts.len();

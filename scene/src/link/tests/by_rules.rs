@@ -282,6 +282,26 @@ fn the_standard_rule_is_what_linking_without_rules_does() {
     assert_eq!(scene.diagnostics.get("unknown-element").unwrap().examples, ["gone"]);
 }
 
+#[test]
+fn what_is_attached_by_hand_is_not_detached_as_well() {
+    let mut rules = Rules::default();
+    rules.attach("A", "W-01");
+    rules.attach("A", "W-02");
+    rules.attach("A", "W-01");
+    rules.detach("A", "W-02");
+    let read = |rules: &Rules| Rules::parse(&rules.to_json(), "").unwrap();
+    let activities = [activity("A", 0, 1, &["W-02", "S-01"])];
+    let all = |rules: &Rules| {
+        let schedule = Schedule { activities: activities.to_vec(), ..Schedule::default() };
+        all_linked(&link_by(read(rules), walls(), schedule))
+    };
+    assert_eq!((rules.attached.len(), rules.attached[0].elements.len()), (1, 1));
+    assert_eq!(all(&rules), ["A", "", "A", ""]);
+    rules.attach("A", "W-02");
+    assert!(rules.detached.is_empty());
+    assert_eq!(all(&rules), ["A", "A", "A", ""]);
+}
+
 fn sample() -> Value {
     json!({
         "format": "topout-rules",
