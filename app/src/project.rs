@@ -64,6 +64,8 @@ pub struct Request {
     pub models: Vec<Source>,
     /// Schedules and links files, merged. When there are any, they replace the demo's own.
     pub schedules: Vec<PathBuf>,
+    /// The rules file that says how schedule and model are linked; by node names and guids when `None`.
+    pub rules: Option<PathBuf>,
     /// How dates are written (`%d-%m-%Y`); ISO 8601 when `None`.
     pub date_format: Option<String>,
     /// Text encoding of CSV and XER files; by their content when `None`.
@@ -128,6 +130,13 @@ fn load_parts(
     progress: &Progress,
     on_unusable: OnUnusable<'_>,
 ) -> anyhow::Result<Scene> {
+    let rules = match read_rules(request) {
+        Ok(rules) => rules,
+        Err(error) => {
+            on_unusable(error)?;
+            link::Rules::default()
+        }
+    };
     // Models and schedules take about as long, and nothing of one is needed for the other.
     let (models, schedule) = std::thread::scope(|scope| {
         let schedule = scope.spawn(|| read_schedules(request));
@@ -151,7 +160,7 @@ fn load_parts(
     };
     let model = import::federate(models);
     progress.begin("linking", 0)?;
-    let scene = link::link(model, schedule);
+    let scene = link::link_by(rules, model, schedule);
     progress.check()?;
     Ok(scene)
 }
@@ -197,6 +206,13 @@ pub fn load_schedule(request: &Request, progress: &Progress) -> anyhow::Result<S
     Ok(schedule)
 }
 
+fn read_rules(request: &Request) -> anyhow::Result<link::Rules> {
+    match &request.rules {
+        Some(path) => Ok(link::Rules::read(path)?),
+        None => Ok(link::Rules::default()),
+    }
+}
+
 fn read_schedules(request: &Request) -> anyhow::Result<Schedule> {
     let options = ReadOptions {
         date_format: request.date_format.clone(),
@@ -232,6 +248,9 @@ mod tests {
             schedules: vec!["no/such/plan.json".into()],
             ..Request::default()
         };
+        let without = Request { rules: Some("no/such/rules.json".into()), ..request.clone() };
+        let error = load(&without, &Progress::default()).unwrap_err();
+        assert!(format!("{error:#}").contains("no/such/rules.json"), "{error:#}");
         let error = load(&request, &Progress::default()).unwrap_err();
         assert!(format!("{error:#}").contains("no/such/house.glb"), "{error:#}");
         let scene = load_what_can_be(&request, &Progress::default()).unwrap();

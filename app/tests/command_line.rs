@@ -96,6 +96,53 @@ fn check_counts_a_small_project() {
 }
 
 #[test]
+fn rules_link_what_names_do_not_and_are_suggested() {
+    let folder = Folder::new();
+    let model = folder.cubes("house.glb", &["wall", "wall", "slab", "roof"]);
+    let schedule = folder.write(
+        "plan.csv",
+        "id,name,start,end,Part\nA,Walls,2026-03-02,2026-03-03,wall\nB,Slab,2026-03-03,2026-03-04,slab\n",
+    );
+    let project = ["check", &model, "--schedule", &schedule, "--json", "-"];
+    let report = topout(project).good_json();
+    assert_eq!(report["linked_elements"], 0);
+    assert_eq!(report["rules"][0]["name"], "elements");
+    let suggestion = &report["suggestions"][0];
+    let said = "2 of 2 keys (field \"Part\") match by name: 3 elements, 2 activities";
+    assert_eq!(suggestion["text"], said, "{}", report["suggestions"]);
+    let shown = topout(&project[..4]);
+    assert!(shown.stdout.contains(said), "{}", shown.stdout);
+
+    let rules = serde_json::json!({"format": "topout-rules", "rules": [suggestion["rule"]],
+        "attached": [{"activity": "B", "elements": ["roof"]}]});
+    let rules = folder.write("rules.json", rules.to_string());
+    let with = ["--rules", &rules];
+    let report = topout(project.iter().chain(&with)).good_json();
+    assert_eq!((&report["linked_elements"], &report["linked_activities"]), (&4.into(), &2.into()));
+    assert_eq!(report["rules"][0]["elements"], 3);
+    assert_eq!(
+        (&report["rules"][1]["name"], &report["rules"][1]["links"]),
+        (&"attached".into(), &1.into())
+    );
+    assert_eq!(report["suggestions"].as_array().map(Vec::len), Some(0));
+    let shown = topout(project[..4].iter().chain(&with));
+    assert!(
+        shown.stdout.contains("3 elements, 2 activities, 3 links; 0 of 2 keys"),
+        "{}",
+        shown.stdout
+    );
+
+    let bad = folder.write("bad.json", r#"{"format": "topout-rules", "rules": [{"element": 3}]}"#);
+    let wrong = topout(project.iter().chain(&["--rules", bad.as_str()]));
+    assert_eq!(wrong.code, 1);
+    let findings = wrong.json()["diagnostics"].to_string();
+    assert!(
+        findings.contains("bad.json: rules[0].element: it must be an object, but it is 3"),
+        "{findings}"
+    );
+}
+
+#[test]
 fn json_goes_to_a_file_and_text_to_the_terminal() {
     let folder = Folder::new();
     let model = folder.cubes("house.glb", &["slab"]);

@@ -1,6 +1,6 @@
 //! Other dates for the same model: a scene whose activities were moved.
 
-use crate::link::presence_by_activities;
+use crate::link::{self, presence_by_activities};
 use crate::{BehaviourId, ElementId, Scene};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -92,7 +92,9 @@ impl Scene {
     }
 
     /// The same scene with a schedule whose activities are the same and in the same order and
-    /// differ in dates, names and fields at most, with the same kinds; `None` for any other, which has to be linked.
+    /// differ in dates, names and fields at most, with the same kinds; `None` for any other, which
+    /// has to be linked ([`Scene::relinked`]). Where rules look at names and fields, they are applied
+    /// again.
     pub fn with_schedule(&self, schedule: Schedule) -> Option<Edited> {
         let alike = |a: &Activity, b: &Activity| {
             a.id == b.id && a.kind == b.kind && a.active == b.active && a.elements == b.elements
@@ -106,6 +108,12 @@ impl Scene {
             return None;
         }
         let moved = moved_between(ours, theirs);
+        let count = moved.iter().filter(|m| **m).count();
+        if !self.rules.only_elements() {
+            let links = link::links_again(self, &schedule);
+            let (scene, changed) = self.with_links(schedule, links);
+            return Some(Edited { scene, changed, moved: count });
+        }
         let mut scene = Scene {
             model: Arc::clone(&self.model),
             schedule,
@@ -113,12 +121,40 @@ impl Scene {
             element_behaviour: self.element_behaviour.clone(),
             activity_starts: self.activity_starts.clone(),
             activity_links: self.activity_links.clone(),
+            rules: Arc::clone(&self.rules),
+            rule_reports: self.rule_reports.clone(),
             link_diagnostics: self.link_diagnostics.clone(),
             diagnostics: Default::default(),
         };
         scene.collect_diagnostics();
         let changed = scene.follow_activities(&moved);
-        Some(Edited { scene, changed, moved: moved.into_iter().filter(|m| *m).count() })
+        Some(Edited { scene, changed, moved: count })
+    }
+
+    /// The same model linked anew, by the same rules, to any schedule.
+    pub fn relinked(&self, schedule: Schedule) -> Scene {
+        link::link_by(Arc::clone(&self.rules), Arc::clone(&self.model), schedule)
+    }
+
+    /// This scene with other links; behaviours keep their ids, new ones are appended. Returns the
+    /// elements whose behaviour is another one now, in order.
+    fn with_links(&self, schedule: Schedule, links: link::Linked) -> (Scene, Vec<ElementId>) {
+        let mut scene = Scene {
+            model: Arc::clone(&self.model),
+            schedule,
+            behaviours: self.behaviours.clone(),
+            element_behaviour: self.element_behaviour.clone(),
+            activity_starts: links.activity_starts,
+            activity_links: links.activity_links,
+            rules: Arc::clone(&self.rules),
+            rule_reports: links.reports,
+            link_diagnostics: links.diagnostics,
+            diagnostics: Default::default(),
+        };
+        link::note_unlinked(&mut scene);
+        scene.collect_diagnostics();
+        let changed = scene.follow(&|_| true);
+        (scene, changed)
     }
 
     /// The same scene with its behaviours numbered as linking numbers them: in the order of the
@@ -140,12 +176,17 @@ impl Scene {
 
     /// Works out anew the behaviours of the elements that moved activities touch.
     fn follow_activities(&mut self, moved: &[bool]) -> Vec<ElementId> {
+        self.follow(&|activities| activities.iter().any(|&a| moved[a as usize]))
+    }
+
+    /// Works out anew the behaviours of the elements whose activities are such.
+    fn follow(&mut self, such: &dyn Fn(&[u32]) -> bool) -> Vec<ElementId> {
         let mut table = Table::new(&self.behaviours);
         let mut by_activities: HashMap<&[u32], BehaviourId> = HashMap::new();
         let mut changes = Vec::new();
         for id in (0..self.element_behaviour.len() as u32).map(ElementId) {
             let activities = self.activities_of(id);
-            if !activities.iter().any(|&a| moved[a as usize]) {
+            if !such(activities) {
                 continue;
             }
             let behaviour = *by_activities.entry(activities).or_insert_with(|| {

@@ -17,6 +17,7 @@ mod optimizer;
 mod outliers;
 pub mod pick;
 mod progress;
+pub mod properties;
 #[allow(clippy::module_inception)]
 mod scene;
 mod view;
@@ -27,6 +28,7 @@ pub use hdlod::{Hdlod, Selection};
 pub use looks::{LookId, Looks};
 pub use outliers::{Outlier, outliers};
 pub use progress::{Cancelled, Progress};
+pub use properties::Properties;
 pub use scene::{
     BehaviourId, Element, ElementId, Group, GroupId, Instance, Material, MeshId, Model, Scene,
 };

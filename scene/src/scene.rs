@@ -1,6 +1,7 @@
 //! The model (what stands where) and the scene (what stands when).
 
-use crate::{Aabb, Mesh, outliers};
+use crate::link::{RuleReport, Rules};
+use crate::{Aabb, Mesh, Properties, outliers};
 use glam::{Affine3A, DVec3};
 use std::ops::Range;
 use std::sync::Arc;
@@ -104,6 +105,8 @@ pub struct Model {
     pub elements: Vec<Element>,
     /// Named nodes above elements.
     pub groups: Vec<Group>,
+    /// What the files say of elements and groups beyond that.
+    pub properties: Properties,
     /// What was found while importing.
     pub diagnostics: Diagnostics,
 }
@@ -149,6 +152,10 @@ pub struct Scene {
     pub activity_starts: Vec<u32>,
     /// See `activity_starts`.
     pub activity_links: Vec<u32>,
+    /// What it was linked by.
+    pub rules: Arc<Rules>,
+    /// What each rule did, in order; then what links by hand did.
+    pub rule_reports: Vec<RuleReport>,
     /// What linking found.
     pub link_diagnostics: Diagnostics,
     /// Everything found while importing, reading and linking.

@@ -67,6 +67,10 @@ pub struct Reading {
     #[arg(long, value_name = "FILE")]
     pub schedule: Vec<PathBuf>,
 
+    /// Rules that say which keys of the schedule mean which elements [default: node names and guids].
+    #[arg(long, value_name = "FILE")]
+    pub rules: Option<PathBuf>,
+
     /// How the schedules write dates, for example %d-%m-%Y [default: ISO 8601].
     #[arg(long, value_name = "F", value_parser = NonEmptyStringValueParser::new().try_map(date_format))]
     pub date_format: Option<String>,
@@ -104,6 +108,7 @@ impl Reading {
         Request {
             models,
             schedules: self.schedule.clone(),
+            rules: self.rules.clone(),
             date_format: self.date_format.clone(),
             encoding: self.encoding.clone(),
             columns: self.columns.clone(),

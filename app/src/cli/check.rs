@@ -9,6 +9,7 @@ use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::sync::Arc;
+use topout_scene::link::{RuleReport, Suggestion, suggest};
 use topout_scene::{ElementId, Progress, Scene};
 use topout_schedule::{Comparison, Diagnostic, Preset, Severity};
 
@@ -38,6 +39,13 @@ pub struct Report {
     /// What an event log says of its elements.
     #[serde(skip_serializing_if = "Option::is_none")]
     flags: Option<FlagsReport>,
+    /// What each rule of linking did, in order; then what links by hand did.
+    rules: Vec<RuleReport>,
+    /// Rules that would link more, best first, where much is left; see the manual.
+    suggestions: Vec<Value>,
+    /// The same in a sentence.
+    #[serde(skip)]
+    suggested: Option<String>,
     diagnostics: Vec<Diagnostic>,
 }
 
@@ -94,6 +102,11 @@ impl Report {
         let linked_activities = scene.activity_links.iter().collect::<BTreeSet<_>>().len();
         let activities = scene.schedule.activities.len();
         let bounds = model.bounds();
+        let suggested = suggest::needed(scene).then(|| suggest::suggest(model, &scene.schedule));
+        let more =
+            |s: &&Suggestion| s.elements > linked_elements || s.activities > linked_activities;
+        let suggestions: Vec<&Suggestion> =
+            suggested.iter().flat_map(|s| &s.best).filter(more).collect();
         let period = (activities > 0).then_some(scene.schedule.period);
         Self {
             name: model.name.clone(),
@@ -117,6 +130,9 @@ impl Report {
             slip: None,
             flags: Comparison::of_flags(&scene.schedule)
                 .map(|flags| FlagsReport::of(&flags, &scene.schedule)),
+            rules: scene.rule_reports.clone(),
+            suggestions: suggestions.iter().map(|s| s.to_value()).collect(),
+            suggested: suggested.as_ref().map(ToString::to_string),
             diagnostics: scene.diagnostics.iter().cloned().collect(),
         }
     }
@@ -154,6 +170,7 @@ impl Report {
                 ("activities", of(self.linked_activities, self.unlinked_activities)),
             ];
             section("Links", "", &rows);
+            text.push_str(&self.rules_text());
         } else {
             section("Schedule", "none: everything is there at all times", &[]);
         }
@@ -168,6 +185,41 @@ impl Report {
         text.extend(self.slip.iter().map(SlipReport::text));
         text.extend(self.flags.iter().map(FlagsReport::text));
         text.push_str(&self.findings());
+        text
+    }
+
+    /// What each rule did, and which rules would do more.
+    fn rules_text(&self) -> String {
+        let mut text = "Rules\n".to_owned();
+        for rule in &self.rules {
+            let _ = writeln!(
+                text,
+                "  {:<16}{} elements, {} activities, {} links; {} of {} keys left over",
+                rule.name,
+                count(rule.elements),
+                count(rule.activities),
+                count(rule.links),
+                count(rule.keys_left),
+                count(rule.keys)
+            );
+            if rule.left_to_earlier > 0 {
+                let elements = count(rule.left_to_earlier);
+                let _ = writeln!(text, "  {:<16}{elements} elements left to earlier rules", "");
+            }
+            if !rule.examples_left.is_empty() {
+                let more = if rule.keys_left > rule.examples_left.len() { ", ..." } else { "" };
+                let left = rule.examples_left.join(", ");
+                let _ = writeln!(text, "  {:<16}left over: {left}{more}", "");
+            }
+        }
+        if let Some(suggested) = self.suggested.as_ref().filter(|_| !self.suggestions.is_empty()) {
+            let _ = writeln!(text, "Suggestions {suggested}");
+            for suggestion in &self.suggestions {
+                let said = suggestion["text"].as_str().unwrap_or_default();
+                let _ = writeln!(text, "  {said}\n    {}", suggestion["rule"]);
+            }
+            text.push_str("  Put these under \"rules\" of a file for --rules.\n");
+        }
         text
     }
 

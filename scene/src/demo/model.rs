@@ -246,6 +246,7 @@ pub(super) fn model(
         instances,
         elements,
         groups: groups.list,
+        properties: Default::default(),
         diagnostics: Diagnostics::default(),
     })
 }

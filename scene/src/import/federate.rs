@@ -3,6 +3,7 @@
 use super::mesh::LARGE;
 use super::palette::reduce;
 use super::placing::instance_bounds;
+use crate::properties;
 use crate::{Aabb, Element, GroupId, Instance, MeshId, Model};
 use glam::DVec3;
 use rayon::prelude::*;
@@ -21,7 +22,11 @@ pub fn federate(mut models: Vec<Model>) -> Model {
     }
     note_equal_names(&models, &mut diagnostics);
     let origin = common_origin(&models, &mut diagnostics);
-    let mut all = Model { name: names.join(" + "), origin, ..Model::default() };
+    let (properties, full) = properties::joined(&models);
+    if full.is_some() {
+        properties::note_full(&names.join(" + "), &mut diagnostics);
+    }
+    let mut all = Model { name: names.join(" + "), origin, properties, ..Model::default() };
     let mut materials = Vec::new();
     // First material of each mesh's model.
     let mut material_bases: Vec<usize> = Vec::new();

@@ -5,6 +5,7 @@ use super::document::{Document, Node, NodeMore};
 use super::extras::Extras;
 use super::fault::Fault;
 use super::source::Source;
+use crate::properties::{self, Properties};
 use crate::{Element, Group, GroupId};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use rayon::prelude::*;
@@ -33,6 +34,8 @@ pub(super) struct Hierarchy {
     pub groups: Vec<Group>,
     /// In the order of the hierarchy.
     pub placements: Vec<Placement>,
+    /// What the extras of elements and groups say.
+    pub properties: Properties,
 }
 
 /// One node on the way down, parents before children.
@@ -77,6 +80,8 @@ pub(super) fn read(
     let (visits, owners) = walk(document, &extras, &roots)?;
     let mut hierarchy = Hierarchy::default();
     let mut storeys: Vec<String> = Vec::new();
+    // The nodes that became elements and those that became groups.
+    let mut nodes: [Vec<usize>; 2] = Default::default();
     let mut handed: Vec<Inherited> = Vec::with_capacity(visits.len());
     let adopts = adopting(&visits, &owners);
     for (v, visit) in visits.iter().enumerate() {
@@ -101,6 +106,7 @@ pub(super) fn read(
         let owner = owners[v];
         if owner == Some(v) || adopts[v] {
             state.element = Some(hierarchy.elements.len());
+            nodes[0].push(visit.node);
             hierarchy.elements.push(Element {
                 name: node.name.clone().unwrap_or_default(),
                 label: said.label.clone(),
@@ -112,6 +118,7 @@ pub(super) fn read(
             });
         } else if identified && node.mesh.is_none() {
             let id = GroupId(hierarchy.groups.len() as u32);
+            nodes[1].push(visit.node);
             hierarchy.groups.push(Group {
                 name: node.name.clone().unwrap_or_default(),
                 label: said.label.clone(),
@@ -133,7 +140,36 @@ pub(super) fn read(
             place(source, at, &mut hierarchy.placements)?;
         }
     }
+    hierarchy.properties = read_properties(document, &nodes, file, diagnostics);
     Ok(hierarchy)
+}
+
+/// What the extras of the nodes say that became elements and groups.
+fn read_properties(
+    document: &Document,
+    [elements, groups]: &[Vec<usize>; 2],
+    file: &str,
+    diagnostics: &mut Diagnostics,
+) -> Properties {
+    let mut builder = properties::Builder::default();
+    for node in elements {
+        if let Some(extras) = &document.more[*node].extras {
+            properties::flatten(extras, &mut |key, value| builder.say(key, value));
+        }
+        builder.end_element();
+    }
+    builder.end_elements();
+    for node in groups {
+        if let Some(extras) = &document.more[*node].extras {
+            properties::flatten(extras, &mut |key, value| builder.say(key, value));
+        }
+        builder.end_group();
+    }
+    let (table, full) = builder.finish();
+    if full.is_some() {
+        properties::note_full(file, diagnostics);
+    }
+    table
 }
 
 /// Checks that nodes form a forest and finds where to start.

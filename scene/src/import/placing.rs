@@ -37,7 +37,7 @@ pub(super) fn place(
     file: &str,
     model: &mut Model,
 ) {
-    let Hierarchy { elements, groups, mut placements } = hierarchy;
+    let Hierarchy { elements, groups, mut placements, mut properties } = hierarchy;
     let mut numbers = vec![usize::MAX; document.meshes.len()];
     for (number, &mesh) in used.iter().enumerate() {
         numbers[mesh] = number;
@@ -102,7 +102,8 @@ pub(super) fn place(
         })
         .collect();
 
-    model.groups = groups;
+    properties.retain_elements(&keep);
+    (model.groups, model.properties) = (groups, properties);
     placements.retain(|p| keep[p.element]);
     let shapes = drop_unused(shapes, &mut placements);
     model.instances = placements.iter().map(|p| instance(p, model.origin)).collect();

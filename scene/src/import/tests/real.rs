@@ -63,6 +63,48 @@ fn storeys_kinds_and_guids_come_from_the_extras() {
     assert!(model.meshes.len() < model.elements.len());
 }
 
+/// Extras are kept whole; what exporters write beyond what topout knows is little.
+#[test]
+fn extras_become_properties() {
+    let Some(folder) = real_data() else { return };
+    let read = |file: &str| read_model(&folder.join(file), &Progress::default()).unwrap();
+    let keys = |model: &crate::Model| -> Vec<String> {
+        model.properties.keys().map(str::to_owned).collect()
+    };
+    for (file, tags) in [
+        ("bimwhale/ifc_bimwhale_LargeBuilding.glb", 114),
+        ("bimwhale/ifc_bimwhale_TallBuilding.glb", 55),
+        ("duplex/ifc_duplex.glb", 215),
+    ] {
+        let model = read(file);
+        assert_eq!(keys(&model), ["guid", "ifcType", "ifcName", "tag"], "{file}");
+        let mut tagged = 0;
+        for (i, element) in (0..).map(crate::ElementId).zip(&model.elements) {
+            assert_eq!(model.property(i, "GUID"), element.guid.as_deref(), "{file}");
+            assert_eq!(model.property(i, "ifcType"), Some(&*element.kind), "{file}");
+            tagged += usize::from(model.property(i, "tag").is_some());
+        }
+        assert!(tagged <= tags && tagged * 10 > tags * 9, "{file}: {tagged} of {tags}");
+    }
+    let house = read("schependomlaan/schependomlaan.glb");
+    assert_eq!(keys(&house), ["guid", "ifcType", "ifcName"]);
+    let wall = house.elements.iter().position(|e| e.name == "1nOs6Hg0v9fR$sLR1LjIyX").unwrap();
+    let above: Vec<&str> = house
+        .groups_above(&house.elements[wall])
+        .map(|g| house.groups[g.index()].kind.as_str())
+        .collect();
+    assert_eq!(above.first(), Some(&"IfcBuildingStorey"), "{above:?}");
+    let storey = house.groups_above(&house.elements[wall]).next().unwrap();
+    let said: Vec<(&str, &str)> = house.group_properties(storey).collect();
+    assert!(said.contains(&("ifcName", "-1 fundering")), "{said:?}");
+    assert!(house.properties.bytes() < 300_000, "{}", house.properties.bytes());
+    assert!(read("duplex/ifc_duplex.native.glb").properties.is_empty());
+    // A list has an entry for each value.
+    let tasks = read("ifc4_task/ifc_construction_scheduling_task.glb");
+    let of = |i| tasks.properties(crate::ElementId(i)).filter(|p| p.0 == "tasks").count();
+    assert_eq!((0..6).map(of).sum::<usize>(), 5, "the sixth task is that of a group");
+}
+
 fn linked(folder: &std::path::Path, schedules: &[&str]) -> crate::Scene {
     let house = folder.join("schependomlaan");
     let model = read_model(&house.join("schependomlaan.glb"), &Progress::default()).unwrap();
