@@ -4,7 +4,7 @@ use super::rules::{ActivityBy, ElementBy, List, Match, Pattern, Rule};
 use crate::{ElementId, Group, GroupId, Model};
 use std::borrow::Cow;
 use std::collections::HashMap;
-use topout_schedule::{Activity, Schedule};
+use topout_schedule::Schedule;
 
 /// What a key of the model stands for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -309,9 +309,12 @@ pub(super) fn each_text_of_schedule<'a>(
             let Some(name) = field_name(schedule, name) else { return false };
             name
         }
+        ActivityBy::ElementField(name) => {
+            let Some(name) = element_field_name(schedule, name) else { return false };
+            name
+        }
         _ => "",
     };
-    let mut found = !matches!(by, ActivityBy::ElementField(_));
     for (a, activity) in schedule.activities.iter().enumerate() {
         let number = a as u32;
         match by {
@@ -329,17 +332,16 @@ pub(super) fn each_text_of_schedule<'a>(
                 let elements = activity.elements.iter().zip(0..);
                 elements.for_each(|(text, n)| say(text, number, n));
             }
-            ActivityBy::ElementField(name) => {
+            ActivityBy::ElementField(_) => {
                 for n in 0..activity.elements.len() {
-                    if let Some(text) = element_field(activity, name, n) {
-                        found = true;
+                    if let Some(text) = activity.element_field(field, n) {
                         say(text, number, n as u32);
                     }
                 }
             }
         }
     }
-    found
+    true
 }
 
 /// The name of a field as the schedule writes it: exactly this, else one that differs in case alone.
@@ -370,19 +372,31 @@ pub(super) fn field_names(schedule: &Schedule) -> Vec<String> {
 /// Fields that are listed or tried. Linear look-up among so many costs less than hashing each name.
 const MOST_FIELDS: usize = 64;
 
-// ELEMENT FIELDS: these two functions are all that reads columns which say something of each element
-// of an activity (event logs). Until activities have such columns, only what is said of the whole
-// activity is found: `activity.element_field(name, element)` and `activity.element_fields` go here.
-
-/// What is said of one element of an activity: of it alone, else of the whole activity.
-fn element_field<'a>(activity: &'a Activity, name: &str, _element: usize) -> Option<&'a str> {
-    let own = activity.fields.iter().find(|(n, _)| **n == *name);
-    own.map(|(_, value)| &**value).filter(|value| !value.is_empty())
+/// The names of columns that say something of each element of an activity (event logs), in the order
+/// of their first use, as many as a message lists.
+pub(super) fn element_field_names(schedule: &Schedule) -> Vec<String> {
+    let mut names: Vec<&str> = Vec::new();
+    for field in schedule.activities.iter().flat_map(|a| &a.element_fields) {
+        if names.len() < MOST_FIELDS && !names.contains(&&*field.name) {
+            names.push(&field.name);
+        }
+    }
+    names.into_iter().map(str::to_owned).collect()
 }
 
-/// The names of such columns, in the order of their first use, as many as a message lists.
-pub(super) fn element_field_names(_schedule: &Schedule) -> Vec<String> {
-    Vec::new()
+/// The name of such a column as the schedule writes it: exactly this, else one that differs in case
+/// alone. Where its values are the same for all elements of every activity it is a field.
+fn element_field_name<'a>(schedule: &'a Schedule, name: &str) -> Option<&'a str> {
+    let mut alike = None;
+    for field in schedule.activities.iter().flat_map(|a| &a.element_fields) {
+        if *field.name == *name {
+            return Some(&field.name);
+        }
+        if alike.is_none() && field.name.eq_ignore_ascii_case(name) {
+            alike = Some(&*field.name);
+        }
+    }
+    alike.or_else(|| field_name(schedule, name))
 }
 
 /// The keys of each summary: names and codes on the way up, and the codes from the top joined by dots.
