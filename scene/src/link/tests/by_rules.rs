@@ -365,6 +365,17 @@ fn rules_are_written_as_they_are_read() {
 }
 
 #[test]
+fn the_manuals_rules_are_read() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../README.md");
+    let manual = std::fs::read_to_string(path).unwrap();
+    let start = manual.find("    {\"format\": \"topout-rules\"").unwrap();
+    let text = manual[start..].split("\n\n").next().unwrap();
+    let read = Rules::parse(text, "README.md").unwrap();
+    assert_eq!((read.rules.len(), read.attached.len(), read.detached.len()), (3, 1, 1));
+    assert!(read.rules[2].activity.pattern.as_ref().unwrap().has_order());
+}
+
+#[test]
 fn what_is_wrong_with_a_file_is_named_with_place_and_value() {
     let fault = |change: &dyn Fn(&mut Value)| {
         let mut text = sample();
