@@ -9,7 +9,7 @@ use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::sync::Arc;
-use topout_scene::link::{RuleReport, Suggestion, suggest};
+use topout_scene::link::{RuleReport, Suggestion, Suggestions, suggest};
 use topout_scene::{ElementId, Progress, Scene};
 use topout_schedule::{Comparison, Diagnostic, Preset, Severity};
 
@@ -43,7 +43,7 @@ pub struct Report {
     rules: Vec<RuleReport>,
     /// Rules that would link more, best first, where much is left; see the manual.
     suggestions: Vec<Value>,
-    /// The same in a sentence.
+    /// What the usual ways match, where much is left.
     #[serde(skip)]
     suggested: Option<String>,
     diagnostics: Vec<Diagnostic>,
@@ -132,7 +132,10 @@ impl Report {
                 .map(|flags| FlagsReport::of(&flags, &scene.schedule)),
             rules: scene.rule_reports.clone(),
             suggestions: suggestions.iter().map(|s| s.to_value()).collect(),
-            suggested: suggested.as_ref().map(ToString::to_string),
+            suggested: suggested.map(|s| match s.usual.is_empty() && !s.best.is_empty() {
+                true => String::new(),
+                false => Suggestions { best: Vec::new(), ..s }.to_string(),
+            }),
             diagnostics: scene.diagnostics.iter().cloned().collect(),
         }
     }
@@ -212,14 +215,16 @@ impl Report {
                 let _ = writeln!(text, "  {:<16}left over: {left}{more}", "");
             }
         }
-        if let Some(suggested) = self.suggested.as_ref().filter(|_| !self.suggestions.is_empty()) {
-            let _ = writeln!(text, "Suggestions {suggested}");
-            for suggestion in &self.suggestions {
-                let said = suggestion["text"].as_str().unwrap_or_default();
-                let _ = writeln!(text, "  {said}\n    {}", suggestion["rule"]);
-            }
-            text.push_str("  Put these under \"rules\" of a file for --rules.\n");
+        let Some(suggested) = &self.suggested else { return text };
+        let _ = writeln!(text, "Suggestions {suggested}");
+        for suggestion in &self.suggestions {
+            let said = suggestion["text"].as_str().unwrap_or_default();
+            let _ = writeln!(text, "  {said}\n    {}", suggestion["rule"]);
         }
+        text.push_str(match self.suggestions.is_empty() {
+            true => "  no rule that was tried links more\n",
+            false => "  Put what fits under \"rules\" of a file for --rules.\n",
+        });
         text
     }
 

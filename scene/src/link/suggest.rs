@@ -18,6 +18,8 @@ const FINALISTS: usize = 16;
 const MOST_TRIED: usize = 64;
 /// Suggestions that are made.
 const MOST_MADE: usize = 5;
+/// What scores less than this share of the best is not suggested.
+const WORTH_SAYING: f64 = 0.1;
 /// Names with the number of the instance behind them, as Synchro writes resources: `wall_(#1315)`.
 const NUMBERED: &str = r"^(?<key>.*?)_?\(#(?<order>\d+)\)$";
 
@@ -148,6 +150,8 @@ pub fn suggest(model: &Model, schedule: &Schedule) -> Suggestions {
     let measured = candidates.par_iter().filter_map(|c| measure(model, schedule, &wbs, &c.rule));
     let mut best = ranked(measured.filter(|s| s.matched > 0).collect(), activities);
     best.truncate(MOST_MADE);
+    let least = best.first().map_or(0.0, |s| s.score(activities) * WORTH_SAYING);
+    best.retain(|s| s.score(activities) >= least);
     let usual = match schedule.activities.iter().any(|a| !a.elements.is_empty()) {
         true => [ElementBy::Guid, ElementBy::Name]
             .into_iter()
