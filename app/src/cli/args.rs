@@ -226,6 +226,25 @@ pub struct Check {
     /// Say how much later the schedule is than this one.
     #[arg(long, value_name = "SCHEDULE")]
     pub against: Option<PathBuf>,
+
+    /// Also write everything there is to look at as a table; - is standard output.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+}
+
+impl Check {
+    /// Refuses two results on standard output.
+    ///
+    /// # Errors
+    /// As clap reports them.
+    pub fn check(&self) -> Result<(), clap::Error> {
+        let both = [&self.common.json, &self.csv];
+        if both.iter().all(|f| f.as_deref().is_some_and(is_stdout)) {
+            let told = "only one of --json and --csv can go to standard output";
+            return Err(Cli::command().error(clap::error::ErrorKind::ArgumentConflict, told));
+        }
+        Ok(())
+    }
 }
 
 /// `topout bake`

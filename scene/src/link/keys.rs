@@ -331,7 +331,7 @@ pub(super) fn each_text_of_schedule<'a>(
             }
             ActivityBy::ElementField(name) => {
                 for n in 0..activity.elements.len() {
-                    if let Some(text) = element_field(activity, name, n) {
+                    if let Some(text) = activity.element_field(name, n) {
                         found = true;
                         say(text, number, n as u32);
                     }
@@ -370,19 +370,16 @@ pub(super) fn field_names(schedule: &Schedule) -> Vec<String> {
 /// Fields that are listed or tried. Linear look-up among so many costs less than hashing each name.
 const MOST_FIELDS: usize = 64;
 
-// ELEMENT FIELDS: these two functions are all that reads columns which say something of each element
-// of an activity (event logs). Until activities have such columns, only what is said of the whole
-// activity is found: `activity.element_field(name, element)` and `activity.element_fields` go here.
-
-/// What is said of one element of an activity: of it alone, else of the whole activity.
-fn element_field<'a>(activity: &'a Activity, name: &str, _element: usize) -> Option<&'a str> {
-    let own = activity.fields.iter().find(|(n, _)| **n == *name);
-    own.map(|(_, value)| &**value).filter(|value| !value.is_empty())
-}
-
-/// The names of such columns, in the order of their first use, as many as a message lists.
-pub(super) fn element_field_names(_schedule: &Schedule) -> Vec<String> {
-    Vec::new()
+/// The names of columns that say something of each element of an activity, in the order of their first
+/// use, as many as a message lists.
+pub(super) fn element_field_names(schedule: &Schedule) -> Vec<String> {
+    let mut names: Vec<&str> = Vec::new();
+    for field in schedule.activities.iter().flat_map(|a| &a.element_fields) {
+        if names.len() < MOST_FIELDS && !names.contains(&&*field.name) {
+            names.push(&field.name);
+        }
+    }
+    names.into_iter().map(str::to_owned).collect()
 }
 
 /// The keys of each summary: names and codes on the way up, and the codes from the top joined by dots.
