@@ -157,6 +157,10 @@ pub struct Common {
     #[arg(long, value_name = "WHICH", default_value = "own", hide_default_value = true)]
     pub colors: Colors,
 
+    /// What --colors slip compares [default: planned,actual].
+    #[arg(long, value_name = "FROM,TO", value_parser = two_date_sets)]
+    pub slip: Option<[DateSet; 2]>,
+
     /// Also write one JSON object to this file; - is standard output.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
@@ -417,6 +421,8 @@ pub enum Colors {
     Own,
     /// Those of the kinds of activities that are at work on them.
     Activity,
+    /// How much earlier or later their activities are: blue to red, see --slip.
+    Slip,
 }
 
 /// Way of drawing.

@@ -4,7 +4,7 @@ use super::rules::{ActivityBy, ElementBy, List, Match, Pattern, Rule};
 use crate::{ElementId, Group, GroupId, Model};
 use std::borrow::Cow;
 use std::collections::HashMap;
-use topout_schedule::{Activity, Schedule};
+use topout_schedule::Schedule;
 
 /// What a key of the model stands for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
