@@ -50,6 +50,26 @@ fn nearly_every_element_is_linked_from_either_format() {
     }
 }
 
+/// The log has guids of its own; the rule that is suggested finds the elements by their names.
+#[test]
+fn an_event_log_with_other_guids_is_linked_by_the_suggested_rule() {
+    let Some([project, _]) = projects() else { return };
+    let house = PathBuf::from(&project[0]);
+    let log = house.with_file_name("eventlog").join("eventlog IFC schependomlaan.csv");
+    let log = text(&log);
+    let args = ["check", &project[0], "--schedule", &log, "--json", "-"];
+    let report = topout(args).good_json();
+    assert_eq!(report["linked_elements"], 0);
+    let suggestion = &report["suggestions"][0];
+    assert_eq!(suggestion["matched"], 3504, "{suggestion}");
+    let folder = Folder::new();
+    let rules = serde_json::json!({"format": "topout-rules", "rules": [suggestion["rule"]]});
+    let rules = folder.write("rules.json", rules.to_string());
+    let report = topout(args.iter().chain(&["--rules", rules.as_str()])).good_json();
+    assert_eq!(report["linked_elements"], 3504);
+    assert_eq!(report["unlinked_activities"], 0, "{report}");
+}
+
 /// Foundations, storeys and the house in turn. One activity is linked to every element and ends
 /// last: presence must not wait for it.
 #[test]

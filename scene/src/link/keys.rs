@@ -309,9 +309,12 @@ pub(super) fn each_text_of_schedule<'a>(
             let Some(name) = field_name(schedule, name) else { return false };
             name
         }
+        ActivityBy::ElementField(name) => {
+            let Some(name) = element_field_name(schedule, name) else { return false };
+            name
+        }
         _ => "",
     };
-    let mut found = !matches!(by, ActivityBy::ElementField(_));
     for (a, activity) in schedule.activities.iter().enumerate() {
         let number = a as u32;
         match by {
@@ -329,17 +332,16 @@ pub(super) fn each_text_of_schedule<'a>(
                 let elements = activity.elements.iter().zip(0..);
                 elements.for_each(|(text, n)| say(text, number, n));
             }
-            ActivityBy::ElementField(name) => {
+            ActivityBy::ElementField(_) => {
                 for n in 0..activity.elements.len() {
-                    if let Some(text) = activity.element_field(name, n) {
-                        found = true;
+                    if let Some(text) = activity.element_field(field, n) {
                         say(text, number, n as u32);
                     }
                 }
             }
         }
     }
-    found
+    true
 }
 
 /// The name of a field as the schedule writes it: exactly this, else one that differs in case alone.
@@ -370,8 +372,8 @@ pub(super) fn field_names(schedule: &Schedule) -> Vec<String> {
 /// Fields that are listed or tried. Linear look-up among so many costs less than hashing each name.
 const MOST_FIELDS: usize = 64;
 
-/// The names of columns that say something of each element of an activity, in the order of their first
-/// use, as many as a message lists.
+/// The names of columns that say something of each element of an activity (event logs), in the order
+/// of their first use, as many as a message lists.
 pub(super) fn element_field_names(schedule: &Schedule) -> Vec<String> {
     let mut names: Vec<&str> = Vec::new();
     for field in schedule.activities.iter().flat_map(|a| &a.element_fields) {
@@ -380,6 +382,21 @@ pub(super) fn element_field_names(schedule: &Schedule) -> Vec<String> {
         }
     }
     names.into_iter().map(str::to_owned).collect()
+}
+
+/// The name of such a column as the schedule writes it: exactly this, else one that differs in case
+/// alone. Where its values are the same for all elements of every activity it is a field.
+fn element_field_name<'a>(schedule: &'a Schedule, name: &str) -> Option<&'a str> {
+    let mut alike = None;
+    for field in schedule.activities.iter().flat_map(|a| &a.element_fields) {
+        if *field.name == *name {
+            return Some(&field.name);
+        }
+        if alike.is_none() && field.name.eq_ignore_ascii_case(name) {
+            alike = Some(&*field.name);
+        }
+    }
+    alike.or_else(|| field_name(schedule, name))
 }
 
 /// The keys of each summary: names and codes on the way up, and the codes from the top joined by dots.

@@ -185,12 +185,12 @@ fn sources<'a>(schedule: &'a Schedule, wbs: &'a WbsKeys) -> Vec<Source<'a>> {
         let mut distinct: HashSet<&str> = HashSet::new();
         let mut texts = Vec::new();
         // Every n-th, so that the sample comes from everywhere: n doubles whenever it is full.
-        let (mut step, mut number) = (1, 0);
+        let (mut step, mut number) = (1usize, 0usize);
         keys::each_text_of_schedule(schedule, &by, wbs, &mut |text, _, _| {
             if text.is_empty() || !distinct.insert(text) {
                 return;
             }
-            if number % step == 0 {
+            if number.is_multiple_of(step) {
                 if texts.len() == SAMPLE {
                     let mut even = false;
                     texts.retain(|_| {
@@ -199,7 +199,7 @@ fn sources<'a>(schedule: &'a Schedule, wbs: &'a WbsKeys) -> Vec<Source<'a>> {
                     });
                     step *= 2;
                 }
-                if number % step == 0 {
+                if number.is_multiple_of(step) {
                     texts.push(text);
                 }
             }

@@ -4,8 +4,9 @@ use super::{activity, element, group, linked};
 use crate::link::{Resync, Rules, RulesError, link, link_by};
 use crate::properties::Builder;
 use crate::{Element, ElementId, Group, Model, Scene};
+use proptest::prelude::*;
 use serde_json::{Value, json};
-use topout_schedule::{Activity, Diagnostics, Schedule, WbsNode};
+use topout_schedule::{Activity, Diagnostics, ElementField, Schedule, WbsNode};
 
 fn rules(text: &Value) -> Rules {
     Rules::parse(&text.to_string(), "r.json").unwrap()
@@ -195,6 +196,31 @@ fn in_order_the_nth_means_the_nth() {
     assert_eq!(all_linked(&by(side, &names)), ["1", "2", "0 3", "4", ""]);
 }
 
+/// Elements of a log have ids of its own; a column says which they are.
+#[test]
+fn a_column_of_a_log_says_which_elements_are_meant() {
+    let field = |values: &[&str]| ElementField {
+        name: "Mark".into(),
+        values: values.iter().map(|&v| v.into()).collect(),
+    };
+    let mut activities =
+        [activity("A", 0, 1, &["x1", "x2"]), activity("B", 1, 2, &["x2", "x3", "x4"])];
+    activities[0].element_fields = vec![field(&["W-01", "door"])];
+    activities[1].element_fields = vec![field(&["door", "", "door"])];
+    let by = |field: &str, way: &str, model: &Model| {
+        let side = json!({"by": "element-field", "field": field});
+        let text = file(&[rule(json!({"by": "name"}), side, json!({"match": way}))]);
+        all_linked(&scene_of(&text, model, &activities))
+    };
+    assert_eq!(by("mark", "exact", &walls()), ["A", "", "", ""], "whatever the case of the name");
+    // The second row of x2 is no second door.
+    let names = ["door", "W-01", "door", "door"];
+    let doors = model(names.iter().map(|n| element(n, None, None)).collect(), vec![], &[]);
+    assert_eq!(by("Mark", "in-order", &doors), ["A B", "A", "B", ""]);
+    assert_eq!(by("Mark", "exact", &doors), ["A B", "A", "A B", "A B"]);
+    assert_eq!(by("None", "exact", &doors), ["", "", "", ""]);
+}
+
 #[test]
 fn groups_link_what_is_below_by_name_and_property() {
     let groups = vec![
@@ -339,6 +365,17 @@ fn rules_are_written_as_they_are_read() {
 }
 
 #[test]
+fn the_manuals_rules_are_read() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../README.md");
+    let manual = std::fs::read_to_string(path).unwrap();
+    let start = manual.find("    {\"format\": \"topout-rules\"").unwrap();
+    let text = manual[start..].split("\n\n").next().unwrap();
+    let read = Rules::parse(text, "README.md").unwrap();
+    assert_eq!((read.rules.len(), read.attached.len(), read.detached.len()), (3, 1, 1));
+    assert!(read.rules[2].activity.pattern.as_ref().unwrap().has_order());
+}
+
+#[test]
 fn what_is_wrong_with_a_file_is_named_with_place_and_value() {
     let fault = |change: &dyn Fn(&mut Value)| {
         let mut text = sample();
@@ -373,6 +410,25 @@ fn what_is_wrong_with_a_file_is_named_with_place_and_value() {
     assert!(error.to_string().starts_with("r.json: line 2, column"), "{error}");
     let error = Rules::read(std::path::Path::new("no/such.json")).unwrap_err();
     assert!(error.to_string().contains("no/such.json"), "{error}");
+}
+
+proptest! {
+    /// Any damage to a file gives rules or an error, and rules that are read survive being written.
+    #[test]
+    fn damaged_files_are_read_or_refused(
+        damage in proptest::collection::vec((any::<prop::sample::Index>(), any::<u8>()), 1..4),
+    ) {
+        let mut bytes = sample().to_string().into_bytes();
+        for (at, byte) in damage {
+            let at = at.index(bytes.len());
+            bytes[at] = byte % 128;
+        }
+        let text = String::from_utf8(bytes).unwrap();
+        match Rules::parse(&text, "r") {
+            Ok(read) => prop_assert_eq!(&Rules::parse(&read.to_json(), "r").unwrap(), &read),
+            Err(error) => prop_assert!(error.to_string().starts_with("r: ")),
+        }
+    }
 }
 
 /// The schema knows what the reader knows: the sample has every property that it names, and where the

@@ -4,7 +4,7 @@ use crate::import::read_model;
 use crate::link::rules::{ActivityBy, ElementBy, Match, Pattern, Rule};
 use crate::link::{Rules, link, link_by, report, suggest};
 use crate::{ElementId, Progress};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::path::PathBuf;
 use topout_schedule::{Activity, Diagnostics, Schedule};
 
@@ -16,55 +16,21 @@ fn house() -> Option<PathBuf> {
     Some(PathBuf::from(folder).join("schependomlaan"))
 }
 
-/// The cells of a line; quoted ones may have commas.
-fn cells(line: &str) -> Vec<String> {
-    let mut cells = vec![String::new()];
-    let mut quoted = false;
-    for c in line.chars() {
-        match c {
-            '"' => quoted = !quoted,
-            ',' if !quoted => cells.push(String::new()),
-            _ => cells.last_mut().unwrap().push(c),
-        }
-    }
-    cells
-}
-
-/// One activity a task; its elements are what a column says.
-fn tasks(log: &str, column: &str) -> Schedule {
-    let mut lines = log.lines().map(cells);
-    let header = lines.next().unwrap();
-    let at = |name: &str| header.iter().position(|h| h.trim_start_matches('\u{feff}') == name);
-    let (key, task) = (at(column).unwrap(), at("Task").unwrap());
-    let mut activities: Vec<Activity> = Vec::new();
-    let mut places: HashMap<String, usize> = HashMap::new();
-    for row in lines.filter(|row| row.len() == header.len()) {
-        let id = row[task].clone();
-        let place = *places.entry(id.clone()).or_insert_with(|| {
-            activities.push(Activity { id, ..Activity::default() });
-            activities.len() - 1
-        });
-        activities[place].elements.push(row[key].clone());
-    }
-    Schedule::new(String::new(), None, activities, Diagnostics::default())
-}
-
 #[test]
 fn names_in_order_link_a_log_whose_guids_are_others() {
     let Some(house) = house() else { return };
     let model = read_model(&house.join("schependomlaan.glb"), &Progress::default()).unwrap();
-    let log = std::fs::read(house.join("eventlog/eventlog IFC schependomlaan.csv")).unwrap();
-    let log = String::from_utf8_lossy(&log);
-    let by_guid = link(model.clone(), tasks(&log, "GUID"));
+    let log = house.join("eventlog/eventlog IFC schependomlaan.csv");
+    let schedule = topout_schedule::read_files(&[log], &Default::default()).unwrap();
+    let by_guid = link(model.clone(), schedule.clone());
     assert_eq!(report(&by_guid).linked_elements, 0);
     assert_eq!(by_guid.rule_reports[0].keys_left, 3505);
     assert!(suggest::needed(&by_guid));
 
-    let schedule = tasks(&log, "Resource");
     let found = suggest::suggest(&model, &schedule);
     let said = found.to_string();
-    let expected = "0 of 3,505 keys match by guid, 0 by name; 3,504 of 3,505 keys (elements) match \
-                    by name and order: 3,504 elements, 73 activities";
+    let expected = "0 of 3,505 keys match by guid, 0 by name; 3,504 of 3,505 keys (element field \
+                    \"Resource\") match by name and order: 3,504 elements, 73 activities";
     assert_eq!(said, expected);
 
     let rules = Rules { rules: vec![found.best[0].rule.clone()], ..Rules::default() };
