@@ -20,6 +20,7 @@ mod progress;
 pub mod properties;
 #[allow(clippy::module_inception)]
 mod scene;
+mod slip_looks;
 mod view;
 
 pub use edit::{EditError, Edited, Renumbering};
@@ -32,4 +33,5 @@ pub use properties::Properties;
 pub use scene::{
     BehaviourId, Element, ElementId, Group, GroupId, Instance, Material, MeshId, Model, Scene,
 };
+pub use slip_looks::slip_color;
 pub use view::{Containment, Frustum, Lens, NamedView, Projection, View};

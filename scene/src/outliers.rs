@@ -48,13 +48,12 @@ pub fn outliers(elements: &[Element], among: &[ElementId]) -> Vec<(ElementId, Ou
 
 /// Those outside of a fence around the middle half of all.
 fn far(all: &[ElementId], bounds: &impl Fn(&ElementId) -> Aabb) -> Vec<ElementId> {
-    let mut quartiles = [Vec3::ZERO; 2];
-    for axis in 0..3 {
+    let quartiles = [0, 1, 2].map(|axis| {
         let mut centers: Vec<f32> = all.iter().map(|id| bounds(id).center()[axis]).collect();
         centers.sort_unstable_by(f32::total_cmp);
-        quartiles[0][axis] = centers[centers.len() / 4];
-        quartiles[1][axis] = centers[centers.len() * 3 / 4];
-    }
+        [centers[centers.len() / 4], centers[centers.len() * 3 / 4]]
+    });
+    let quartiles = [0, 1].map(|end| Vec3::from(quartiles.map(|both| both[end])));
     let mut sizes: Vec<f32> = all.iter().map(|id| bounds(id).diameter()).collect();
     sizes.sort_unstable_by(f32::total_cmp);
     // A row of columns, or a flat site, is as wide as it is long for this.

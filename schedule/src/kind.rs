@@ -51,8 +51,11 @@ impl ActivityKind {
     }
 }
 
+/// A kind's name, whether elements are shown before, during and after, and their colour during.
+type BuiltIn = (&'static str, [bool; 3], Option<[u8; 3]>);
+
 /// The kinds that are always there, in the order of [`ActivityKind::index`].
-const BUILT_IN: [(&str, [bool; 3], Option<[u8; 3]>); 5] = [
+const BUILT_IN: [BuiltIn; 5] = [
     // Colours that people tell apart who do not see red or green (Okabe and Ito).
     ("construct", [false, true, true], Some([0x00, 0x9E, 0x73])),
     ("demolish", [true, true, false], Some([0xD5, 0x5E, 0x00])),
@@ -240,7 +243,7 @@ pub struct Kinds {
 impl Default for Kinds {
     /// Those that are built in alone.
     fn default() -> Self {
-        let kind = |(name, shown, color): (&str, [bool; 3], Option<[u8; 3]>)| {
+        let kind = |(name, shown, color): BuiltIn| {
             let phase = |shown| if shown { Phase::Shown(Look::OWN) } else { Phase::Hidden };
             let [before, during, after] = shown.map(phase);
             let during = match color {

@@ -3,17 +3,20 @@
 mod support;
 
 use proptest::prelude::*;
-use support::fixtures::{CSV, IFC, JSON, MSPDI, PMXML, XER};
+use support::fixtures::{CSV, IFC, JSON, LOG, MSPDI, PMXML, XER};
 use support::*;
-use topout_schedule::{ReadError, ReadOptions, Schedule, presence, read_bytes};
+use topout_schedule::{
+    Comparison, DateSet, ReadError, ReadOptions, Schedule, presence, read_bytes,
+};
 
-const ALL: [(&str, &str); 6] = [
+const ALL: [(&str, &str); 7] = [
     ("plan.xml", MSPDI),
     ("plan.xer", XER),
     ("p6.xml", PMXML),
     ("plan.ifc", IFC),
     ("plan.json", JSON),
     ("plan.csv", CSV),
+    ("log.csv", LOG),
 ];
 
 fn try_read(name: &str, bytes: &[u8]) -> Result<Schedule, ReadError> {
@@ -31,8 +34,14 @@ fn survives(name: &str, bytes: &[u8]) {
                 assert!(activity.wbs.is_none_or(|node| (node as usize) < schedule.wbs.len()));
                 assert!(activity.calendar.is_none_or(|c| (c as usize) < schedule.calendars.len()));
                 assert!(schedule.wbs_path(activity).len() <= schedule.wbs.len());
+                let elements = activity.elements.len();
+                assert!(activity.element_fields.iter().all(|f| f.values.len() == elements));
             }
             let _ = (presence(&schedule.kinds, &schedule.activities), schedule.tally());
+            let _ = Comparison::of_flags(&schedule);
+            let slips = Comparison::of_sets(&schedule, DateSet::Planned, DateSet::Actual).slips;
+            assert_eq!(slips.len(), count);
+            assert!(slips.iter().all(|slip| slip.working_days.is_finite()));
             schedule.write_json(std::io::sink()).expect("dates that were read can be written");
             schedule.write_csv(std::io::sink()).expect("dates that were read can be written");
         }
@@ -238,4 +247,5 @@ fuzz! {
     fuzz_ifc: "f.ifc", IFC, "ISO-10303-21;\n";
     fuzz_json: "f.json", JSON, "{\"activities\": [";
     fuzz_csv: "f.csv", CSV, "id,name,start,end,elements\n";
+    fuzz_log: "f.csv", LOG, "guid,task,start,finish\n";
 }

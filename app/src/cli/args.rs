@@ -157,6 +157,10 @@ pub struct Common {
     #[arg(long, value_name = "WHICH", default_value = "own", hide_default_value = true)]
     pub colors: Colors,
 
+    /// What --colors slip compares [default: planned,actual].
+    #[arg(long, value_name = "FROM,TO", value_parser = two_date_sets)]
+    pub slip: Option<[DateSet; 2]>,
+
     /// Also write one JSON object to this file; - is standard output.
     #[arg(long, value_name = "FILE")]
     pub json: Option<PathBuf>,
@@ -226,6 +230,25 @@ pub struct Check {
     /// Say how much later the schedule is than this one.
     #[arg(long, value_name = "SCHEDULE")]
     pub against: Option<PathBuf>,
+
+    /// Also write everything there is to look at as a table; - is standard output.
+    #[arg(long, value_name = "FILE")]
+    pub csv: Option<PathBuf>,
+}
+
+impl Check {
+    /// Refuses two results on standard output.
+    ///
+    /// # Errors
+    /// As clap reports them.
+    pub fn check(&self) -> Result<(), clap::Error> {
+        let both = [&self.common.json, &self.csv];
+        if both.iter().all(|f| f.as_deref().is_some_and(is_stdout)) {
+            let told = "only one of --json and --csv can go to standard output";
+            return Err(Cli::command().error(clap::error::ErrorKind::ArgumentConflict, told));
+        }
+        Ok(())
+    }
 }
 
 /// `topout bake`
@@ -398,6 +421,8 @@ pub enum Colors {
     Own,
     /// Those of the kinds of activities that are at work on them.
     Activity,
+    /// How much earlier or later their activities are: blue to red, see --slip.
+    Slip,
 }
 
 /// Way of drawing.

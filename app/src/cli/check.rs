@@ -1,14 +1,16 @@
 //! `topout check`: what loads, what is linked, what is wrong.
 
+use super::sections::{SectionReport, table};
 use super::slip::{FlagsReport, SlipReport};
 use super::{Outcome, args, terminal};
 use crate::project::{self, Request};
-use crate::report::{Output, columns, count};
+use crate::report::{Output, columns, count, write_file};
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::sync::Arc;
+use topout_scene::check::{Section, check};
 use topout_scene::link::{RuleReport, Suggestion, Suggestions, suggest};
 use topout_scene::{ElementId, Progress, Scene};
 use topout_schedule::{Comparison, Diagnostic, Preset, Severity};
@@ -46,12 +48,14 @@ pub struct Report {
     /// What the usual ways match, where much is left.
     #[serde(skip)]
     suggested: Option<String>,
+    /// What there is to look at, in full in the table of `--csv`.
+    sections: Vec<SectionReport>,
     diagnostics: Vec<Diagnostic>,
 }
 
 /// Reports, and says whether there are errors.
 pub fn run(args: &args::Check) -> anyhow::Result<Outcome> {
-    let output = Output::new(args.common.json.clone());
+    let output = Output::new(args.common.json.clone()).beside(args.csv.as_deref());
     let progress = Arc::new(Progress::default());
     let (scene, slip) = {
         let _line = terminal::ProgressLine::show(&progress);
@@ -59,7 +63,11 @@ pub fn run(args: &args::Check) -> anyhow::Result<Outcome> {
         let slip = slip(args, &scene, &progress)?;
         (scene, slip)
     };
-    let report = Report { slip, ..Report::of(&scene) };
+    let sections = check(&scene);
+    let report = Report { slip, ..Report::of(&scene, &sections) };
+    if let Some(path) = &args.csv {
+        write_file(path, &table(&scene, &sections)?)?;
+    }
     output.say(&report.text());
     output.write(&report)?;
     Ok(if scene.diagnostics.has_errors() { Outcome::BadData } else { Outcome::Fine })
@@ -95,7 +103,7 @@ fn slip(
 
 impl Report {
     /// Counts a scene.
-    pub fn of(scene: &Scene) -> Self {
+    pub fn of(scene: &Scene, sections: &[Section]) -> Self {
         let model = &scene.model;
         let elements = (0..model.elements.len()).map(|i| ElementId(i as u32));
         let linked_elements = elements.filter(|&e| !scene.activities_of(e).is_empty()).count();
@@ -136,6 +144,7 @@ impl Report {
                 true => String::new(),
                 false => Suggestions { best: Vec::new(), ..s }.to_string(),
             }),
+            sections: sections.iter().map(|s| SectionReport::of(s, scene)).collect(),
             diagnostics: scene.diagnostics.iter().cloned().collect(),
         }
     }
@@ -187,6 +196,7 @@ impl Report {
         text.push_str(&columns(&rows));
         text.extend(self.slip.iter().map(SlipReport::text));
         text.extend(self.flags.iter().map(FlagsReport::text));
+        text.extend(self.sections.iter().map(SectionReport::text));
         text.push_str(&self.findings());
         text
     }
@@ -228,12 +238,15 @@ impl Report {
         text
     }
 
+    /// What is not told by a section already.
     fn findings(&self) -> String {
-        if self.diagnostics.is_empty() {
+        let told = |d: &&Diagnostic| self.sections.iter().any(|s| s.code == d.code);
+        let findings: Vec<_> = self.diagnostics.iter().filter(|d| !told(d)).collect();
+        if findings.is_empty() {
             return "Findings    none".to_owned();
         }
         let mut text = "Findings\n".to_owned();
-        for finding in &self.diagnostics {
+        for finding in findings {
             let severity = match finding.severity {
                 Severity::Error => "error",
                 Severity::Warning => "warning",

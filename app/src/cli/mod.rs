@@ -7,6 +7,7 @@ mod cache;
 mod check;
 mod demo;
 mod render;
+mod sections;
 mod slip;
 mod stage;
 mod table;
@@ -44,7 +45,10 @@ pub fn run() -> ExitCode {
     terminal::log_to_stderr();
     let result = match cli.command {
         Some(Command::Demo(args)) => demo::run(&args),
-        Some(Command::Check(args)) => check::run(&args),
+        Some(Command::Check(args)) => {
+            args.check().unwrap_or_else(|error| error.exit());
+            check::run(&args)
+        }
         Some(Command::Bake(args)) => bake::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
         Some(Command::Bench(args)) => {

@@ -117,7 +117,10 @@ impl SlipReport {
 }
 
 fn signed(days: f64) -> String {
-    format!("{:+}", rounded(days, 1))
+    match rounded(days, 1) {
+        0.0 => "0".to_owned(),
+        days => format!("{days:+}"),
+    }
 }
 
 /// The keys that scripts read: what an event log says of its elements being on time.

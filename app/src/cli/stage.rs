@@ -13,6 +13,7 @@ use std::time::{Duration, Instant};
 use topout_render::{DrawMode, Gpu, GpuError, Options, Renderer};
 use topout_scene::cache::Cache;
 use topout_scene::{Looks, NamedView, Progress, Projection, Scene, View, hdlod};
+use topout_schedule::DateSet;
 
 /// A scene that can be drawn.
 pub struct Stage {
@@ -60,8 +61,8 @@ impl Stage {
         phases
             .time("graphics: scene", || renderer.set_scene(&scene))
             .context("cannot bring the scene onto the GPU")?;
-        if args.colors == Colors::Activity {
-            let looks = Arc::new(Looks::of_activities(&scene));
+        if let Some(looks) = looks(args, &scene)? {
+            let looks = Arc::new(looks);
             renderer.set_looks(Some(&looks)).context("cannot bring the colours onto the GPU")?;
         }
         let mut baked = None;
@@ -116,6 +117,26 @@ impl Stage {
     pub fn keep_tree(&mut self) {
         if let Some(baked) = &mut self.baked {
             baked.keep();
+        }
+    }
+}
+
+/// The colours that are asked for, where they are not the model's own.
+fn looks(args: &args::Common, scene: &Scene) -> anyhow::Result<Option<Looks>> {
+    match args.colors {
+        Colors::Own => Ok(None),
+        Colors::Activity => Ok(Some(Looks::of_activities(scene))),
+        Colors::Slip => {
+            let [from, to] = args.slip.unwrap_or([DateSet::Planned, DateSet::Actual]);
+            let looks = Looks::of_differences(scene, from, to);
+            Ok(Some(looks.with_context(|| {
+                format!(
+                    "--colors slip: no activity has both {} and {} dates, and nothing says which \
+                     elements are late; --slip compares other dates",
+                    from.word(),
+                    to.word()
+                )
+            })?))
         }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::command::{Action, Command, Panel, actions, keys_of};
 use super::overlay::short_count;
-use super::state::{AppState, TOLERANCE};
+use super::state::{AppState, ElementColors, TOLERANCE};
 use super::theme::{SMALL, palette};
 use egui::{Align, Layout, RichText, ScrollArea, Ui};
 use topout_render::DrawMode;
@@ -33,6 +33,7 @@ const MENUS: [(&str, &[&str]); 5] = [
             "Frame figures",
             "Frame times",
             "Color by activity",
+            "Color by slip",
             "Color by level",
             "Fade between levels",
             "Sun…",
@@ -93,6 +94,7 @@ fn entry(ui: &mut Ui, state: &AppState, action: &Action, commands: &mut Vec<Comm
         .selected(is_on(state, &action.command));
     let enabled = match (&state.project, &action.command) {
         (Some(project), Command::ReloadSchedule) => !project.request.schedules.is_empty(),
+        (Some(project), Command::ToggleSlipColors) => project.slip_looks.is_some(),
         (Some(project), Command::ToggleSkipIdle) => {
             project.scene.schedule.work_calendar().is_some()
         }
@@ -107,7 +109,8 @@ fn entry(ui: &mut Ui, state: &AppState, action: &Action, commands: &mut Vec<Comm
 fn is_on(state: &AppState, command: &Command) -> bool {
     match command {
         Command::SetMode(mode) => state.mode == *mode,
-        Command::ToggleActivityColors => state.activity_colors,
+        Command::ToggleActivityColors => state.colors == ElementColors::Activity,
+        Command::ToggleSlipColors => state.colors == ElementColors::Slip,
         Command::ToggleSkipIdle => state.skip_idle,
         Command::ToggleLevelColors => state.level_colors,
         Command::ToggleFade => state.fade,

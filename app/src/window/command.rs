@@ -82,6 +82,8 @@ pub enum Command {
     SetTolerance(f32),
     /// Colour what activities are at work on, or not.
     ToggleActivityColors,
+    /// Colour how much earlier or later activities are than planned, or not.
+    ToggleSlipColors,
     /// Colour clusters by their level, or not.
     ToggleLevelColors,
     /// Let levels that follow each other fade into each other, or not.
@@ -215,6 +217,7 @@ pub fn actions() -> Vec<Action> {
         action(C::Toggle(Panel::Sun), "Sun…", None),
         action(C::Toggle(Panel::Diagnostics), "Diagnostics", Some(S::key(Key::D))),
         action(C::ToggleActivityColors, "Color by activity", Some(S::key(Key::A))),
+        action(C::ToggleSlipColors, "Color by slip", Some(S::shift(Key::A))),
         action(C::ToggleLevelColors, "Color by level", Some(S::key(Key::C))),
         action(C::ToggleFade, "Fade between levels", None),
         action(C::ToggleScheme, "Dark or light", Some(S::key(Key::L))),

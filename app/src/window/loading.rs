@@ -12,6 +12,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
 use topout_scene::pick::Picker;
 use topout_scene::{Aabb, Looks, Progress, Scene};
+use topout_schedule::DateSet;
 
 /// Called by a worker when it has something to show.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -113,6 +114,8 @@ pub struct Project {
     pub scene: Arc<Scene>,
     /// What activities make elements look like.
     pub looks: Arc<Looks>,
+    /// How much earlier or later activities are than planned, where that is known.
+    pub slip_looks: Option<Arc<Looks>>,
     /// Rays to elements.
     pub picker: Arc<Picker>,
     /// Counts over time.
@@ -184,6 +187,7 @@ impl Project {
             .count();
         Self {
             looks: Arc::new(Looks::of_activities(&scene)),
+            slip_looks: slip_looks(&scene),
             picker: Arc::new(Picker::new(&scene)),
             calendar: Calendar::new(&scene.schedule),
             focus: scene.focus_bounds(),
@@ -199,6 +203,7 @@ impl Project {
     pub fn with_dates(&self, request: Request, scene: Arc<Scene>, stamps: Vec<Stamp>) -> Self {
         Self {
             looks: Arc::new(Looks::of_activities(&scene)),
+            slip_looks: slip_looks(&scene),
             picker: Arc::clone(&self.picker),
             calendar: Calendar::new(&scene.schedule),
             focus: self.focus,
@@ -229,6 +234,11 @@ impl Project {
         progress.begin("Preparing the window", 0)?;
         Ok(Self { stamps, ..Self::new(request, Arc::new(scene)) })
     }
+}
+
+/// Actual dates beside planned ones, else what an event log says.
+fn slip_looks(scene: &Scene) -> Option<Arc<Looks>> {
+    Looks::of_differences(scene, DateSet::Planned, DateSet::Actual).map(Arc::new)
 }
 
 /// Which files a dialog asks for.

@@ -97,6 +97,17 @@ impl Default for Panels {
     }
 }
 
+/// Which colours elements have.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ElementColors {
+    /// Those of the model.
+    Own,
+    /// Those of what activities do to them.
+    Activity,
+    /// How much earlier or later their activities are than planned.
+    Slip,
+}
+
 /// What only the window system can do; collected by [`AppState::apply`].
 #[derive(Clone, PartialEq, Debug)]
 pub enum Effect {
@@ -156,8 +167,8 @@ pub struct AppState {
     pub tolerance_px: f32,
     /// Whether clusters take their colour from their level.
     pub level_colors: bool,
-    /// Elements have the colours of what activities do to them.
-    pub activity_colors: bool,
+    /// Which colours elements have.
+    pub colors: ElementColors,
     /// Playing leaves out when nobody works.
     pub skip_idle: bool,
     /// Where the light comes from.
@@ -207,7 +218,7 @@ impl AppState {
             mode: DrawMode::Hdlod,
             tolerance_px: 1.0,
             level_colors: false,
-            activity_colors: true,
+            colors: ElementColors::Activity,
             skip_idle: false,
             sun: Sun::Fixed,
             fade: false,
@@ -295,7 +306,8 @@ impl AppState {
                     self.frames.clear();
                 }
             }
-            Command::ToggleActivityColors => self.activity_colors = !self.activity_colors,
+            Command::ToggleActivityColors => self.toggle_colors(ElementColors::Activity),
+            Command::ToggleSlipColors => self.toggle_colors(ElementColors::Slip),
             Command::ToggleLevelColors => self.level_colors = !self.level_colors,
             Command::ToggleFade => self.fade = !self.fade,
             Command::SetSun(sun) => self.sun = sun,
@@ -341,6 +353,11 @@ impl AppState {
             Command::SaveTable(format) => self.save_table(format),
             Command::Copy(text) => self.effects.push(Effect::Copy(text)),
         }
+    }
+
+    fn toggle_colors(&mut self, wanted: ElementColors) {
+        let off = self.colors == wanted;
+        self.colors = if off { ElementColors::Own } else { wanted };
     }
 
     /// Goes on to when somebody works, if nights and days off are left out.

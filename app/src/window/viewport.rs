@@ -5,7 +5,7 @@
 
 use super::camera::Camera;
 use super::command::Command;
-use super::state::{AppState, Tree};
+use super::state::{AppState, ElementColors, Tree};
 use super::theme::palette;
 use egui::{Color32, PointerButton, Pos2, Rect, Sense, Stroke, TextureId, Ui};
 use egui_wgpu::RenderState;
@@ -238,8 +238,12 @@ impl Viewport {
     /// Gives elements the looks that are wanted now.
     fn take_looks(&mut self, state: &AppState) -> Option<Command> {
         let project = state.project.as_ref()?;
-        let wanted = state.activity_colors && !self.level_colors;
-        let wanted = wanted.then(|| Arc::clone(&project.looks));
+        let wanted = match state.colors {
+            _ if self.level_colors => None,
+            ElementColors::Own => None,
+            ElementColors::Activity => Some(Arc::clone(&project.looks)),
+            ElementColors::Slip => project.slip_looks.clone(),
+        };
         if wanted.as_ref().map(Arc::as_ptr) == self.looks.as_ref().map(Arc::as_ptr) {
             return None;
         }

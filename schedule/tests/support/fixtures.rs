@@ -146,3 +146,12 @@ pub const CSV: &str = "Task;Title;Begin;Finish;Planned;Done;Path;After;elements;
 A10;\"Walls; north\";2.3.2026;06.03.2026;1.3.2026;62,5 %;Site/Shell;;W1|W2;Masonry\r
 A20;Done;6.3.2026 17:00;06.03.2026 17:00;;;Site/Shell;A10:FF-1h, Z;;\r
 ";
+
+/// A row for each element of each task.
+pub const LOG: &str = "GUID;IfcClass;TaskID;TaskName;TaskStart;TaskFinish;On time or not\r
+W1;IfcWall;T1;\"Walls; north\";26-2-2015;27-2-2015 16:30;On time\r
+S1;IfcSlab;T2;Slab;2-3-2015;2-3-2015;Too late\r
+W2;IfcWall;T1;\"Walls; north\";26-2-2015;27-2-2015 16:30;Too late\r
+;;;;;;\r
+R1;IfcRoof;;Roof;2.3.2015;3.3.2015;\r
+";
