@@ -92,14 +92,19 @@ mod tests {
 
     #[test]
     fn the_largest_slip_of_an_element_counts() {
-        let scene = scene(
-            "plan.csv",
-            "id,name,start,end,planned_start,planned_end,actual_start,actual_end,elements\n\
-             A,a,2026-03-02,2026-03-03,2026-03-02,2026-03-03,2026-03-02,2026-03-05,e0;e1\n\
-             B,b,2026-03-02,2026-03-03,2026-03-02,2026-03-20,2026-03-02,2026-03-03,e1\n\
-             C,c,2026-03-02,2026-03-03,2026-03-02,2026-03-03,2026-03-02,2026-03-03,e2\n\
-             D,d,2026-03-02,2026-03-03,2026-03-02,2026-03-03,,,e3;e2\n",
-        );
+        let activity = |id: &str, planned: &str, actual: &str, elements: &str| {
+            format!(
+                r#"{{"id": "{id}", "planned_start": "2026-03-02", "planned_end": "{planned}",
+                    "actual_end": {actual}, "elements": [{elements}]}}"#
+            )
+        };
+        let activities = [
+            activity("A", "2026-03-03", "\"2026-03-05\"", r#""e0", "e1""#),
+            activity("B", "2026-03-20", "\"2026-03-03\"", r#""e1""#),
+            activity("C", "2026-03-03", "\"2026-03-03\"", r#""e2""#),
+            activity("D", "2026-03-03", "null", r#""e3", "e2""#),
+        ];
+        let scene = scene("plan.json", &format!("{{\"activities\": [{}]}}", activities.join(",")));
         let looks = Looks::of_differences(&scene, DateSet::Planned, DateSet::Actual).unwrap();
         let of = |e, class| (e, slip_color(class));
         assert_eq!(
