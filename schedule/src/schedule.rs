@@ -313,7 +313,7 @@ impl Schedule {
 }
 
 /// What a schedule holds; see [`Schedule::tally`].
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Serialize)]
 pub struct Tally {
     /// Activities.
     pub activities: usize,

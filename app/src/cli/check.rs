@@ -13,7 +13,7 @@ use std::sync::Arc;
 use topout_scene::check::{Section, check};
 use topout_scene::link::{RuleReport, Suggestion, Suggestions, suggest};
 use topout_scene::{ElementId, Progress, Scene};
-use topout_schedule::{Comparison, Diagnostic, Preset, Severity};
+use topout_schedule::{Comparison, Diagnostic, Preset, Severity, Tally};
 
 /// The keys that scripts read.
 #[derive(Serialize, Debug)]
@@ -28,6 +28,8 @@ pub struct Report {
     bounds: Option<[[f64; 3]; 2]>,
     project: String,
     activities: usize,
+    /// What else the schedule holds, and how much of it is unusual but fine.
+    tally: Tally,
     linked_elements: usize,
     unlinked_elements: usize,
     linked_activities: usize,
@@ -128,6 +130,7 @@ impl Report {
             }),
             project: scene.schedule.project.clone(),
             activities,
+            tally: scene.schedule.tally(),
             linked_elements,
             unlinked_elements: model.elements.len() - linked_elements,
             linked_activities,
@@ -169,11 +172,25 @@ impl Report {
         }
         section("Model", &self.name, &rows);
         if let (Some(start), Some(finish)) = (&self.start, &self.finish) {
-            let rows = [
+            let mut rows = vec![
                 ("activities", count(self.activities)),
                 ("start", start.clone()),
                 ("finish", finish.clone()),
             ];
+            let tally = &self.tally;
+            for (what, number) in [
+                ("predecessors", tally.predecessors),
+                ("summaries", tally.summaries),
+                ("calendars", tally.calendars),
+                ("milestones", tally.milestones),
+                ("without a name", tally.without_name),
+                ("repeated names", tally.repeated_names),
+                ("zero duration", tally.zero_duration),
+            ] {
+                if number > 0 {
+                    rows.push((what, count(number)));
+                }
+            }
             section("Schedule", &self.project, &rows);
             let of =
                 |linked: usize, not: usize| format!("{} linked, {} not", count(linked), count(not));
