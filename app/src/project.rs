@@ -7,6 +7,7 @@ use std::fmt;
 use std::panic::resume_unwind;
 use std::path::PathBuf;
 use std::str::FromStr;
+use topout_scene::paths::Paths;
 use topout_scene::{Cancelled, Model, Progress, Scene, demo, import, link};
 use topout_schedule::{Column, DateSet, Diagnostics, ReadOptions, Schedule, Severity};
 
@@ -66,6 +67,8 @@ pub struct Request {
     pub schedules: Vec<PathBuf>,
     /// The rules file that says how schedule and model are linked; by node names and guids when `None`.
     pub rules: Option<PathBuf>,
+    /// Files with the paths of moving objects.
+    pub paths: Vec<PathBuf>,
     /// How dates are written (`%d-%m-%Y`); ISO 8601 when `None`.
     pub date_format: Option<String>,
     /// Text encoding of CSV and XER files; by their content when `None`.
@@ -130,7 +133,7 @@ fn load_parts(
     progress: &Progress,
     on_unusable: OnUnusable<'_>,
 ) -> anyhow::Result<Scene> {
-    let rules = match read_rules(request) {
+    let mut rules = match read_rules(request) {
         Ok(rules) => rules,
         Err(error) => {
             on_unusable(error)?;
@@ -158,7 +161,19 @@ fn load_parts(
             }
         }
     };
-    let model = import::federate(models);
+    let mut model = import::federate(models);
+    let mut schedule = schedule;
+    for file in &request.paths {
+        let added = Paths::read(file).and_then(|paths| paths.add_to(&mut model, &mut schedule));
+        match added {
+            // Rules need not look at what activities name.
+            Ok(links) if request.rules.is_some() => {
+                links.iter().for_each(|(activity, element)| rules.attach(activity, element));
+            }
+            Ok(_) => {}
+            Err(error) => on_unusable(error.into())?,
+        }
+    }
     progress.begin("linking", 0)?;
     let scene = link::link_by(rules, model, schedule);
     progress.check()?;

@@ -15,6 +15,7 @@ pub mod link;
 mod looks;
 mod optimizer;
 mod outliers;
+pub mod paths;
 pub mod pick;
 mod progress;
 pub mod properties;

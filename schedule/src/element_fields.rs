@@ -58,17 +58,23 @@ impl Activity {
         longer
     }
 
-    /// Removes empty names of elements and all but the first of equal ones, with what is said of
-    /// them and with the places of those that links gave, which are the last.
+    /// Removes empty names of elements and all but the first of equal ones; see
+    /// [`Activity::keep_elements`].
     pub(crate) fn remove_repeats(&mut self, links: Option<&mut Vec<Place>>) {
         let mut seen = HashSet::with_capacity(self.elements.len());
         let keep: Vec<bool> = (self.elements.iter())
             .map(|name| !name.is_empty() && seen.insert(name.as_str()))
             .collect();
+        self.keep_elements(&keep, links);
+    }
+
+    /// Keeps some names of elements, with what is said of them and with the places of those that links
+    /// gave, which are the last.
+    pub(crate) fn keep_elements(&mut self, keep: &[bool], links: Option<&mut Vec<Place>>) {
         if !keep.iter().all(|&k| k) {
-            retain(&mut self.elements, &keep);
+            retain(&mut self.elements, keep);
             for field in &mut self.element_fields {
-                retain(&mut field.values, &keep);
+                retain(&mut field.values, keep);
             }
             if let Some(links) = links {
                 let own = keep.len().saturating_sub(links.len());

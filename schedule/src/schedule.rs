@@ -208,6 +208,20 @@ impl Schedule {
         }
     }
 
+    /// Takes away elements from all activities. Returns the activities that had any, as indices.
+    pub fn remove_elements(&mut self, which: impl Fn(&str) -> bool) -> Vec<usize> {
+        let mut had = Vec::new();
+        for (i, activity) in self.activities.iter_mut().enumerate() {
+            let keep: Vec<bool> = activity.elements.iter().map(|key| !which(key)).collect();
+            if !keep.iter().all(|&k| k) {
+                let source = self.sources.activities.get_mut(i);
+                activity.keep_elements(&keep, source.map(|s| &mut s.links));
+                had.push(i);
+            }
+        }
+        had
+    }
+
     /// Takes the dates of a set as those that count, start and end apart, where it has them; others
     /// stay. The period grows as needed. Returns how many activities have neither date in it.
     pub fn use_dates(&mut self, set: DateSet) -> usize {

@@ -183,6 +183,9 @@ pub fn command(request: &Request, plan: &Plan, more: &[&str]) -> String {
     for schedule in &request.schedules {
         option("--schedule", schedule.display().to_string());
     }
+    for file in &request.paths {
+        option("--paths", file.display().to_string());
+    }
     if let Some(rules) = &request.rules {
         option("--rules", rules.display().to_string());
     }

@@ -71,6 +71,10 @@ pub struct Reading {
     #[arg(long, value_name = "FILE")]
     pub rules: Option<PathBuf>,
 
+    /// Paths of moving objects (.json); may be repeated.
+    #[arg(long, value_name = "FILE")]
+    pub paths: Vec<PathBuf>,
+
     /// How the schedules write dates, for example %d-%m-%Y [default: ISO 8601].
     #[arg(long, value_name = "F", value_parser = NonEmptyStringValueParser::new().try_map(date_format))]
     pub date_format: Option<String>,
@@ -109,6 +113,7 @@ impl Reading {
             models,
             schedules: self.schedule.clone(),
             rules: self.rules.clone(),
+            paths: self.paths.clone(),
             date_format: self.date_format.clone(),
             encoding: self.encoding.clone(),
             columns: self.columns.clone(),

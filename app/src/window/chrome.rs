@@ -2,7 +2,8 @@
 
 use super::command::{Action, Command, Panel, actions, keys_of};
 use super::overlay::short_count;
-use super::state::{AppState, ElementColors, TOLERANCE};
+use super::shown::ElementColors;
+use super::state::{AppState, TOLERANCE};
 use super::theme::{SMALL, palette};
 use egui::{Align, Layout, RichText, ScrollArea, Ui};
 use topout_render::DrawMode;

@@ -13,6 +13,7 @@ mod inspector;
 mod loading;
 mod overlay;
 mod reload;
+mod shown;
 mod state;
 mod sun;
 mod table;

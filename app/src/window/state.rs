@@ -6,6 +6,7 @@ use super::command::{Command, Panel};
 use super::frames::FrameLog;
 use super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, Stamp, Wake, ask, save};
 use super::reload::{Refining, TreeChange};
+use super::shown::{ElementColors, Panels};
 use super::table::Table;
 use super::theme::Scheme;
 use crate::bench::export::Format;
@@ -59,53 +60,6 @@ impl Drop for Keeping {
             let _ = thread.join();
         }
     }
-}
-
-/// Which panels are unfolded.
-#[derive(Clone, Copy, Debug)]
-pub struct Panels {
-    /// See [`Panel`].
-    pub inspector: bool,
-    /// See [`Panel`].
-    pub timeline: bool,
-    /// See [`Panel`].
-    pub figures: bool,
-    /// See [`Panel`].
-    pub graph: bool,
-    /// See [`Panel`].
-    pub sun: bool,
-    /// See [`Panel`].
-    pub diagnostics: bool,
-    /// See [`Panel`].
-    pub table: bool,
-    /// See [`Panel`].
-    pub shortcuts: bool,
-}
-
-impl Default for Panels {
-    fn default() -> Self {
-        Self {
-            inspector: true,
-            timeline: true,
-            figures: true,
-            graph: false,
-            sun: false,
-            diagnostics: false,
-            table: false,
-            shortcuts: false,
-        }
-    }
-}
-
-/// Which colours elements have.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum ElementColors {
-    /// Those of the model.
-    Own,
-    /// Those of what activities do to them.
-    Activity,
-    /// How much earlier or later their activities are than planned.
-    Slip,
 }
 
 /// What only the window system can do; collected by [`AppState::apply`].

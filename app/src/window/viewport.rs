@@ -5,7 +5,8 @@
 
 use super::camera::Camera;
 use super::command::Command;
-use super::state::{AppState, ElementColors, Tree};
+use super::shown::ElementColors;
+use super::state::{AppState, Tree};
 use super::theme::palette;
 use egui::{Color32, PointerButton, Pos2, Rect, Sense, Stroke, TextureId, Ui};
 use egui_wgpu::RenderState;

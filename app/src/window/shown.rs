@@ -1,0 +1,48 @@
+//! What of the window and of the scene's colours is shown: plain values.
+
+/// Which panels are unfolded.
+#[derive(Clone, Copy, Debug)]
+pub struct Panels {
+    /// See [`super::command::Panel`].
+    pub inspector: bool,
+    /// See [`super::command::Panel`].
+    pub timeline: bool,
+    /// See [`super::command::Panel`].
+    pub figures: bool,
+    /// See [`super::command::Panel`].
+    pub graph: bool,
+    /// See [`super::command::Panel`].
+    pub sun: bool,
+    /// See [`super::command::Panel`].
+    pub diagnostics: bool,
+    /// See [`super::command::Panel`].
+    pub table: bool,
+    /// See [`super::command::Panel`].
+    pub shortcuts: bool,
+}
+
+impl Default for Panels {
+    fn default() -> Self {
+        Self {
+            inspector: true,
+            timeline: true,
+            figures: true,
+            graph: false,
+            sun: false,
+            diagnostics: false,
+            table: false,
+            shortcuts: false,
+        }
+    }
+}
+
+/// Which colours elements have.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ElementColors {
+    /// Those of the model.
+    Own,
+    /// Those of what activities do to them.
+    Activity,
+    /// How much earlier or later their activities are than planned.
+    Slip,
+}
