@@ -7,10 +7,12 @@ use std::path::Path;
 use topout_schedule::{ReadOptions, Schedule, appearance, presence, read_bytes};
 
 /// Writes what a target begins with to a folder of its own.
-pub fn write_seed(target: &str, text: &str) {
+pub fn write_seeds(target: &str, texts: &[&str]) {
     let folder = Path::new("seeds").join(target);
     std::fs::create_dir_all(&folder).expect("a folder can be made");
-    std::fs::write(folder.join("fixture"), text).expect("a file can be written");
+    for (number, text) in texts.iter().enumerate() {
+        std::fs::write(folder.join(number.to_string()), text).expect("a file can be written");
+    }
 }
 
 /// Whatever the bytes are, reading ends with an error or with a schedule that keeps its rules and can be
@@ -35,7 +37,9 @@ pub fn survives(name: &str, bytes: &[u8]) {
         match read_bytes(Path::new(name), &text, &ReadOptions::default()) {
             Ok(again) => assert_same(&schedule, &again),
             // A schedule in which no date can be used is refused.
-            Err(error) => assert!(schedule.activities.iter().all(|a| a.dates().is_none()), "{error}"),
+            Err(error) => {
+                assert!(schedule.activities.iter().all(|a| a.dates().is_none()), "{error}")
+            }
         }
     }
 }

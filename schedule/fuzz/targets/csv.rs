@@ -1,8 +1,8 @@
 #![no_main]
 
-use topout_schedule_fuzz::{fixtures, survives, write_seed};
+use topout_schedule_fuzz::{fixtures, survives, write_seeds};
 
 libfuzzer_sys::fuzz_target!(
-    init: write_seed("csv", fixtures::CSV),
+    init: write_seeds("csv", &[fixtures::CSV, fixtures::LOG]),
     |bytes: &[u8]| survives("plan.csv", bytes)
 );

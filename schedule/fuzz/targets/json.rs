@@ -1,8 +1,8 @@
 #![no_main]
 
-use topout_schedule_fuzz::{fixtures, survives, write_seed};
+use topout_schedule_fuzz::{fixtures, survives, write_seeds};
 
 libfuzzer_sys::fuzz_target!(
-    init: write_seed("json", fixtures::JSON),
+    init: write_seeds("json", &[fixtures::JSON]),
     |bytes: &[u8]| survives("plan.json", bytes)
 );

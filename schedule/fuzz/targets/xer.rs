@@ -1,8 +1,8 @@
 #![no_main]
 
-use topout_schedule_fuzz::{fixtures, survives, write_seed};
+use topout_schedule_fuzz::{fixtures, survives, write_seeds};
 
 libfuzzer_sys::fuzz_target!(
-    init: write_seed("xer", fixtures::XER),
+    init: write_seeds("xer", &[fixtures::XER]),
     |bytes: &[u8]| survives("plan.xer", bytes)
 );
