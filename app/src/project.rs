@@ -4,8 +4,9 @@
 
 use crate::report::describe;
 use std::fmt;
+use std::io::Read;
 use std::panic::resume_unwind;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 use topout_scene::paths::Paths;
 use topout_scene::{Cancelled, Model, Progress, Scene, demo, import, link};
@@ -82,6 +83,12 @@ pub struct Request {
 }
 
 impl Request {
+    /// The files beside the models: schedules, rules and paths. What they say can change while models are
+    /// shown.
+    pub fn watched(&self) -> Vec<PathBuf> {
+        self.schedules.iter().chain(&self.rules).chain(&self.paths).cloned().collect()
+    }
+
     /// The built-in skyscraper with its own schedule.
     pub fn demo() -> Self {
         Self { models: vec![Source::Demo], ..Self::default() }
@@ -120,6 +127,13 @@ pub fn load_what_can_be(request: &Request, progress: &Progress) -> anyhow::Resul
     Ok(scene)
 }
 
+/// Whether a JSON file says near its beginning that it is of a format.
+pub fn says(file: &Path, format: &str) -> bool {
+    let mut head = Vec::new();
+    let read = std::fs::File::open(file).and_then(|file| file.take(4096).read_to_end(&mut head));
+    read.is_ok() && String::from_utf8_lossy(&head).contains(&format!("\"{format}\""))
+}
+
 /// Whether a load ended because the user asked it to.
 pub fn is_cancelled(error: &anyhow::Error) -> bool {
     error.is::<Cancelled>()
@@ -133,7 +147,7 @@ fn load_parts(
     progress: &Progress,
     on_unusable: OnUnusable<'_>,
 ) -> anyhow::Result<Scene> {
-    let mut rules = match read_rules(request) {
+    let mut rules = match load_rules(request) {
         Ok(rules) => rules,
         Err(error) => {
             on_unusable(error)?;
@@ -221,7 +235,11 @@ pub fn load_schedule(request: &Request, progress: &Progress) -> anyhow::Result<S
     Ok(schedule)
 }
 
-fn read_rules(request: &Request) -> anyhow::Result<link::Rules> {
+/// Reads the rules of a request, those for names and guids where it names no file.
+///
+/// # Errors
+/// A file that cannot be used, by name.
+pub fn load_rules(request: &Request) -> anyhow::Result<link::Rules> {
     match &request.rules {
         Some(path) => Ok(link::Rules::read(path)?),
         None => Ok(link::Rules::default()),

@@ -116,6 +116,8 @@ pub struct Project {
     pub looks: Arc<Looks>,
     /// How much earlier or later activities are than planned, where that is known.
     pub slip_looks: Option<Arc<Looks>>,
+    /// The kinds of its activities that have a colour.
+    pub legend: Vec<(String, [u8; 3])>,
     /// Rays to elements.
     pub picker: Arc<Picker>,
     /// Counts over time.
@@ -136,8 +138,8 @@ pub enum Loaded {
     Project(Box<Project>),
     /// The shown project with other dates.
     Edit(Box<Edit>),
-    /// The shown models with a schedule that differs in more than dates.
-    Other(Box<Project>),
+    /// The shown models with a schedule or rules that differ in more than dates, and how, in words.
+    Other(Box<Project>, String),
 }
 
 /// Last change and length of a file; `None` where it cannot be looked at.
@@ -182,9 +184,6 @@ pub fn watch(
 impl Project {
     /// Derives what the window needs; takes a moment for large scenes.
     pub fn new(request: Request, scene: Arc<Scene>) -> Self {
-        let linked = (0..scene.model.elements.len())
-            .filter(|&i| !scene.activities_of(topout_scene::ElementId(i as u32)).is_empty())
-            .count();
         Self {
             looks: Arc::new(Looks::of_activities(&scene)),
             slip_looks: slip_looks(&scene),
@@ -192,8 +191,9 @@ impl Project {
             calendar: Calendar::new(&scene.schedule),
             focus: scene.focus_bounds(),
             triangles: scene.model.triangle_count(),
-            linked,
-            stamps: stamps(&request.schedules),
+            linked: linked(&scene),
+            legend: legend(&scene),
+            stamps: stamps(&request.watched()),
             request,
             scene,
         }
@@ -208,7 +208,8 @@ impl Project {
             calendar: Calendar::new(&scene.schedule),
             focus: self.focus,
             triangles: self.triangles,
-            linked: self.linked,
+            linked: linked(&scene),
+            legend: legend(&scene),
             stamps,
             request,
             scene,
@@ -229,11 +230,29 @@ impl Project {
     /// # Errors
     /// As [`project::load`].
     pub fn load(request: Request, progress: &Progress) -> anyhow::Result<Self> {
-        let stamps = stamps(&request.schedules);
+        let stamps = stamps(&request.watched());
         let scene = project::load(&request, progress)?;
         progress.begin("Preparing the window", 0)?;
         Ok(Self { stamps, ..Self::new(request, Arc::new(scene)) })
     }
+}
+
+/// Elements that some activity touches.
+fn linked(scene: &Scene) -> usize {
+    topout_scene::link::report(scene).linked_elements
+}
+
+/// The kinds that occur, by their colours while activities last.
+fn legend(scene: &Scene) -> Vec<(String, [u8; 3])> {
+    let kinds = &scene.schedule.kinds;
+    let mut used = vec![false; kinds.iter().count()];
+    for activity in &scene.schedule.activities {
+        if let Some(used) = used.get_mut(activity.kind.index()) {
+            *used = true;
+        }
+    }
+    let kinds = kinds.iter().zip(used).filter(|(_, used)| *used);
+    kinds.filter_map(|(kind, _)| Some((kind.name.clone(), kind.during.look().color?))).collect()
 }
 
 /// Actual dates beside planned ones, else what an event log says.

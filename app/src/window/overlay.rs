@@ -2,11 +2,13 @@
 
 use super::command::{Command, Panel, keys_of};
 use super::loading::Job;
+use super::shown::ElementColors;
 use super::state::{AppState, Tree};
 use super::theme::{SMALL, palette};
 use egui::{Align2, Frame, Margin, Rect, RichText, Ui};
 use topout_render::{DrawMode, FrameStats};
-use topout_scene::{Hdlod, NamedView};
+use topout_scene::{Hdlod, NamedView, slip_color};
+use topout_schedule::SlipClass;
 
 /// `53 k`, `3.6 M`: at most three figures.
 pub fn short_count(count: u64) -> String {
@@ -29,6 +31,7 @@ pub fn show(ui: &mut Ui, place: Rect, state: &AppState, commands: &mut Vec<Comma
         return;
     }
     corner(ui, inner, Align2::RIGHT_TOP, "views", |ui| views(ui, commands));
+    corner(ui, inner, Align2::LEFT_BOTTOM, "legend", |ui| legend(ui, state));
     if state.panels.figures {
         corner(ui, inner, Align2::RIGHT_BOTTOM, "figures", |ui| figures(ui, state, commands));
     }
@@ -50,6 +53,35 @@ fn card(ui: &Ui) -> Frame {
         .stroke(egui::Stroke::new(1.0, palette(ui).line.gamma_multiply(0.6)))
         .corner_radius(6)
         .inner_margin(Margin::symmetric(8, 4))
+}
+
+/// What the colours of elements mean.
+fn legend(ui: &mut Ui, state: &AppState) {
+    let Some(project) = state.project.as_ref().filter(|_| !state.level_colors) else { return };
+    let rows: Vec<(&str, [u8; 3])> = match state.colors {
+        ElementColors::Own => return,
+        ElementColors::Activity => {
+            project.legend.iter().map(|(name, color)| (name.as_str(), *color)).collect()
+        }
+        ElementColors::Slip => {
+            SlipClass::WORDS.into_iter().map(|(word, class)| (word, slip_color(class))).collect()
+        }
+    };
+    if rows.is_empty() {
+        return;
+    }
+    card(ui).show(ui, |ui| {
+        ui.spacing_mut().item_spacing = egui::vec2(6.0, 2.0);
+        ui.spacing_mut().interact_size.y = 14.0;
+        for (name, [r, g, b]) in rows {
+            ui.horizontal(|ui| {
+                let size = egui::vec2(10.0, 10.0);
+                let (place, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+                ui.painter().rect_filled(place, 2.0, egui::Color32::from_rgb(r, g, b));
+                ui.label(RichText::new(name).size(SMALL));
+            });
+        }
+    });
 }
 
 fn views(ui: &mut Ui, commands: &mut Vec<Command>) {

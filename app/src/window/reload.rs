@@ -14,6 +14,7 @@ use std::ops::Range;
 use std::sync::{Arc, Weak};
 use std::time::Instant;
 use topout_scene::hdlod::{self, Restated};
+use topout_scene::link::Resync;
 use topout_scene::{Cancelled, Hdlod, Progress, Scene};
 use topout_schedule::Schedule;
 
@@ -93,13 +94,24 @@ impl Edit {
     /// # Errors
     /// As [`Project::load`].
     fn load(base: Base, request: Request, progress: &Progress) -> anyhow::Result<Loaded> {
-        let stamps = stamps(&request.schedules);
-        let schedule = project::load_schedule(&request, progress)?;
-        progress.begin("moving activities", 0)?;
-        match Self::new(base, request.clone(), stamps, schedule) {
-            Some(edit) => Ok(Loaded::Edit(Box::new(edit))),
-            None => Ok(Loaded::Other(Box::new(Project::load(request, progress)?))),
+        let stamps = stamps(&request.watched());
+        let before = Arc::clone(&base.project);
+        // Paths add to schedule and model, rules to links; a project without a schedule of its own keeps the
+        // models' own.
+        let dates_alone = !request.schedules.is_empty()
+            && request.paths.is_empty()
+            && request.rules == before.request.rules
+            && project::load_rules(&request)? == *before.scene.rules;
+        if dates_alone {
+            let schedule = project::load_schedule(&request, progress)?;
+            progress.begin("moving activities", 0)?;
+            if let Some(edit) = Self::new(base, request.clone(), stamps, schedule) {
+                return Ok(Loaded::Edit(Box::new(edit)));
+            }
         }
+        let project = Project::load(request, progress)?;
+        let news = sum_up(&Resync::between(&before.scene, &project.scene));
+        Ok(Loaded::Other(Box::new(project), news))
     }
 
     /// What happened, for people.
@@ -126,6 +138,26 @@ impl Edit {
     }
 }
 
+/// What became of activities and links, in one sentence.
+fn sum_up(found: &Resync) -> String {
+    let lists = [
+        (found.added.len(), "activities added"),
+        (found.removed.len(), "removed"),
+        (found.moved.len(), "moved"),
+        (found.newly_linked_elements.len(), "elements newly linked"),
+        (found.newly_loose_elements.len(), "no longer linked"),
+        (found.newly_loose_activities.len(), "activities now without elements"),
+    ];
+    let said: Vec<String> = (lists.iter())
+        .filter(|(number, _)| *number > 0)
+        .map(|(number, what)| format!("{} {what}", count(*number)))
+        .collect();
+    match said.is_empty() {
+        true => "The project was read again: nothing differs.".to_owned(),
+        false => format!("The project was read again: {}.", said.join(", ")),
+    }
+}
+
 impl AppState {
     fn ready_tree(&self) -> Option<&Arc<Hdlod>> {
         match &self.tree {
@@ -137,7 +169,7 @@ impl AppState {
     /// Reads the schedule of the shown project again.
     pub(super) fn reload_schedule(&mut self) {
         let Some(project) = &self.project else { return };
-        if project.request.schedules.is_empty() {
+        if project.request.watched().is_empty() {
             self.news = Some("This project has no schedule file to read again.".to_owned());
             return;
         }
@@ -252,7 +284,7 @@ impl AppState {
     pub(super) fn watch(&mut self) {
         self.watching = None;
         if let Some(project) = &self.project {
-            let (files, known) = (project.request.schedules.clone(), project.stamps.clone());
+            let (files, known) = (project.request.watched(), project.stamps.clone());
             self.watch_from(files, known);
         }
     }
@@ -277,7 +309,7 @@ impl AppState {
             Outcome::Done(now) => {
                 self.reload_schedule();
                 // If that fails, the next change is the next attempt.
-                let files = self.project.as_ref().map(|p| p.request.schedules.clone());
+                let files = self.project.as_ref().map(|p| p.request.watched());
                 self.watch_from(files.unwrap_or_default(), now);
             }
         }

@@ -28,10 +28,6 @@ pub const SPEEDS: [u32; 7] = [1, 2, 7, 14, 30, 60, 120];
 /// Tolerances that can be set, physical pixels.
 pub const TOLERANCE: std::ops::RangeInclusive<f32> = 0.25..=32.0;
 
-/// Said when a schedule cannot be taken over as an edit.
-pub(super) const MORE_THAN_DATES: &str =
-    "The schedule differs in more than dates: the project was loaded anew.";
-
 /// The level-of-detail tree of the shown scene.
 pub enum Tree {
     /// There is no scene.
@@ -352,9 +348,9 @@ impl AppState {
                     match loaded {
                         Loaded::Project(project) => self.show(*project),
                         Loaded::Edit(edit) => self.take_edit(*edit),
-                        Loaded::Other(project) => {
+                        Loaded::Other(project, news) => {
                             self.show(*project);
-                            self.news = Some(MORE_THAN_DATES.to_owned());
+                            self.news = Some(news);
                         }
                     }
                 }
@@ -540,13 +536,17 @@ impl AppState {
         }
     }
 
-    /// Models replace the project; schedules alone replace the schedule of the shown models.
-    fn open_files(&mut self, paths: Vec<PathBuf>) {
+    /// Models replace the project; schedules alone replace the schedule of the shown models, rules their links,
+    /// and paths what moves.
+    fn open_files(&mut self, files: Vec<PathBuf>) {
         let (mut models, mut schedules) = (Vec::new(), Vec::new());
-        for path in paths {
+        let (mut rules, mut paths) = (None, Vec::new());
+        for path in files {
             let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
             match extension.as_deref() {
                 Some("glb" | "gltf") => models.push(Source::File(path)),
+                Some("json") if project::says(&path, "topout-rules") => rules = Some(path),
+                Some("json") if project::says(&path, "topout-paths") => paths.push(path),
                 Some("json" | "csv" | "xml" | "xer" | "ifc") => schedules.push(path),
                 _ => {
                     self.error = Some(format!(
@@ -558,12 +558,23 @@ impl AppState {
                 }
             }
         }
-        if models.is_empty() && schedules.is_empty() {
+        let beside = rules.is_some() || !paths.is_empty();
+        if models.is_empty() && schedules.is_empty() && !beside {
             return;
         }
-        let shown = self.project.as_ref().map(|p| p.request.clone());
+        let mut shown = self.project.as_ref().map(|p| p.request.clone());
+        if beside {
+            let request = shown.get_or_insert_default();
+            if models.is_empty() && request.models.is_empty() {
+                self.error = Some("Rules and paths need a model: open it first.".to_owned());
+                return;
+            }
+            request.rules = rules.or_else(|| request.rules.take());
+            request.paths.append(&mut paths);
+        }
         if models.is_empty() {
             match shown {
+                Some(shown) if schedules.is_empty() => self.load_schedule(shown),
                 Some(shown) => self.load_schedule(Request { schedules, ..shown }),
                 None => self.waiting_schedules = schedules,
             }

@@ -214,6 +214,53 @@ fn refining_can_be_cancelled_and_asked_for() {
 }
 
 #[test]
+fn rules_are_opened_and_looked_after_like_schedules() {
+    let files = Files::new();
+    let mut state = files.open(None);
+    let scene = Arc::clone(&state.project.as_ref().unwrap().scene);
+    let loose = scene.model.elements.iter().enumerate().find(|(i, e)| {
+        scene.activities_of(topout_scene::ElementId(*i as u32)).is_empty() && !e.name.is_empty()
+    });
+    let (index, element) = loose.expect("the demo has neighbours");
+    let activity = &scene.schedule.activities[0].id;
+    let rules = files.path("links.json");
+    let write = |attached: &str| {
+        let text =
+            format!(r#"{{"format": "topout-rules", "version": 1, "attached": [{attached}]}}"#);
+        std::fs::write(&rules, text).unwrap();
+    };
+    let name = &element.name;
+    write(&format!(r#"{{"activity": "{activity}", "elements": ["{name}"]}}"#));
+    state.apply(Command::OpenFiles(vec![rules.clone()]));
+    settle(&mut state);
+    assert_eq!(state.error, None);
+    let linked = |state: &AppState| {
+        let scene = &state.project.as_ref().unwrap().scene;
+        scene.activities_of(topout_scene::ElementId(index as u32)).len()
+    };
+    let request = &state.project.as_ref().unwrap().request;
+    assert_eq!(
+        (&request.rules, &request.schedules),
+        (&Some(rules.clone()), &files.request().schedules)
+    );
+    assert_eq!(linked(&state), 1);
+    let news = state.news.clone().unwrap();
+    assert!(news.contains("1 elements newly linked"), "{news}");
+
+    write("");
+    reload(&mut state);
+    settle(&mut state);
+    assert_eq!(linked(&state), 0);
+    let news = state.news.clone().unwrap();
+    assert!(news.contains("1 no longer linked"), "{news}");
+
+    std::fs::write(&rules, b"{\"format\": \"topout-rules\", \"rules\": 7}").unwrap();
+    reload(&mut state);
+    assert!(state.error.as_ref().unwrap().contains("links.json"), "{:?}", state.error);
+    assert!(state.project.is_some(), "the project stays");
+}
+
+#[test]
 fn other_activities_are_loaded_anew_and_broken_files_named() {
     let mut files = Files::new();
     let mut state = files.open(None);
@@ -225,7 +272,8 @@ fn other_activities_are_loaded_anew_and_broken_files_named() {
     files.schedule.activities.truncate(700);
     files.write();
     reload(&mut state);
-    assert!(state.news.as_ref().unwrap().contains("more than dates"), "{:?}", state.news);
+    let news = state.news.clone().unwrap();
+    assert!(news.contains(" removed"), "{news}");
     settle(&mut state);
     files.check(&state);
     assert_eq!(state.tree_origin, Some("built"));
