@@ -131,6 +131,15 @@ impl Scene {
         Some(Edited { scene, changed, moved: count })
     }
 
+    /// The same model and schedule linked by other rules.
+    pub fn with_rules(&self, rules: link::Rules) -> Edited {
+        let mut asked = self.clone();
+        asked.rules = Arc::new(rules);
+        let links = link::links_again(&asked, &self.schedule);
+        let (scene, changed) = asked.with_links(self.schedule.clone(), links);
+        Edited { scene, changed, moved: 0 }
+    }
+
     /// The same model linked anew, by the same rules, to any schedule.
     pub fn relinked(&self, schedule: Schedule) -> Scene {
         link::link_by(Arc::clone(&self.rules), Arc::clone(&self.model), schedule)
@@ -312,6 +321,28 @@ mod tests {
             prop_assert_eq!(&undone.scene.element_behaviour, &scene.element_behaviour);
             prop_assert_eq!(&undone.changed, &edited.changed);
         }
+    }
+
+    #[test]
+    fn links_by_hand_are_an_edit() {
+        let scene = link::link(model(), schedule(&[(10, 5, 0, vec![1]), (20, 5, 1, vec![2])]));
+        let mut rules = link::Rules::clone(&scene.rules);
+        rules.attach("a0", "e7");
+        rules.detach("a1", "e2");
+        let edited = scene.with_rules(rules.clone());
+        assert_eq!(edited.changed, [ElementId(2), ElementId(7)]);
+        assert_eq!(edited.scene.activities_of(ElementId(7)), [0]);
+        assert!(edited.scene.activities_of(ElementId(2)).is_empty());
+        let linked =
+            link::link_by(rules, model(), schedule(&[(10, 5, 0, vec![1]), (20, 5, 1, vec![2])]));
+        for e in (0..10).map(ElementId) {
+            assert_eq!(edited.scene.behaviour(e), linked.behaviour(e));
+        }
+        let old = scene.behaviours.len();
+        assert_eq!(edited.scene.behaviours[..old], scene.behaviours);
+        let undone = edited.scene.with_rules(link::Rules::clone(&scene.rules));
+        assert_eq!(undone.scene.element_behaviour, scene.element_behaviour);
+        assert_eq!(undone.changed, edited.changed);
     }
 
     #[test]

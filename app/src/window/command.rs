@@ -106,6 +106,11 @@ pub enum Command {
     /// Select an element or nothing.
     Select(Option<ElementId>),
 
+    /// Link an element to an activity, given by its place in the schedule, by hand.
+    Attach(ElementId, usize),
+    /// Take away such a link, or one that a rule made.
+    Detach(ElementId, usize),
+
     /// Show or hide a panel.
     Toggle(Panel),
     /// Dark, light or as the system says.

@@ -126,10 +126,62 @@ fn element_panel(
         let activity = &scene.schedule.activities[index as usize];
         let kind = scene.schedule.kinds.of(activity.kind);
         activity_row(ui, state.time(), activity, kind, commands);
+        let detach = egui::Button::new(RichText::new("Detach").size(SMALL)).small();
+        let detach = ui.add(detach).accessible_name(format!("Detach {}", activity.id));
+        if detach.on_hover_text("No longer link this element to this activity").clicked() {
+            commands.push(Command::Detach(id, index as usize));
+        }
     }
     if activities.len() > LISTED {
         ui.label(format!("… and {} more", activities.len() - LISTED));
     }
+    attach(ui, &scene.schedule.activities, id, commands);
+}
+
+/// Activities offered for what is typed.
+const OFFERED: usize = 12;
+
+/// What was searched for, and what was found.
+#[derive(Clone, Default)]
+struct Search {
+    text: String,
+    found: Vec<usize>,
+}
+
+/// A search for an activity to link the element to.
+fn attach(ui: &mut Ui, activities: &[Activity], element: ElementId, commands: &mut Vec<Command>) {
+    if activities.is_empty() {
+        return;
+    }
+    let key = egui::Id::unique("attach to");
+    let mut search: Search = ui.data(|data| data.get_temp(key)).unwrap_or_default();
+    ui.add_space(8.0);
+    let field = egui::TextEdit::singleline(&mut search.text)
+        .hint_text("Attach to an activity: id or name")
+        .desired_width(f32::INFINITY);
+    if ui.add(field).accessible_name("Attach to").changed() {
+        let wanted = search.text.trim().to_lowercase();
+        let fits = |a: &Activity| {
+            a.id.to_lowercase().contains(&wanted) || a.name.to_lowercase().contains(&wanted)
+        };
+        search.found = match wanted.is_empty() {
+            true => Vec::new(),
+            false => {
+                (0..activities.len()).filter(|&i| fits(&activities[i])).take(OFFERED).collect()
+            }
+        };
+    }
+    for &index in search.found.iter().filter(|&&i| i < activities.len()) {
+        let Activity { id, name, .. } = &activities[index];
+        let button = egui::Button::new(RichText::new(format!("{id}  {name}")).size(SMALL));
+        let button = ui.add(button.truncate().frame(false));
+        if button.accessible_name(format!("Attach to {id}")).clicked() {
+            commands.push(Command::Attach(element, index));
+            search = Search::default();
+            break;
+        }
+    }
+    ui.data_mut(|data| data.insert_temp(key, search));
 }
 
 /// The period as a bar, filled while the element is present.

@@ -7,15 +7,15 @@
 
 use super::loading::{Job, Loaded, Outcome, Project, Stamp, stamps, watch};
 use super::state::{AppState, Tree};
-use crate::project::{self, Request};
+use crate::project::{self, Request, Source};
 use crate::report::{count, grouped};
 use crate::tree::Baked;
 use std::ops::Range;
 use std::sync::{Arc, Weak};
 use std::time::Instant;
 use topout_scene::hdlod::{self, Restated};
-use topout_scene::link::Resync;
-use topout_scene::{Cancelled, Hdlod, Progress, Scene};
+use topout_scene::link::{Resync, Rules};
+use topout_scene::{Cancelled, Edited, ElementId, Hdlod, Progress, Scene};
 use topout_schedule::Schedule;
 
 /// What an edit starts from.
@@ -31,6 +31,10 @@ pub struct Edit {
     tree: Option<(Arc<Hdlod>, Restated)>,
     /// Activities that were moved.
     moved: usize,
+    /// Links were changed, not dates.
+    relinked: bool,
+    /// What went wrong beside it.
+    warning: Option<String>,
     /// Elements that come or go at other times.
     changed: usize,
     /// What it took besides reading, milliseconds.
@@ -64,6 +68,29 @@ impl Edit {
     ) -> Option<Self> {
         let started = Instant::now();
         let edited = base.project.scene.with_schedule(schedule)?;
+        Self::of(base, request, stamps, edited, false, started)
+    }
+
+    /// Brings scene and tree to other links.
+    pub fn relinked(
+        base: Base,
+        request: Request,
+        stamps: Vec<Stamp>,
+        rules: Rules,
+    ) -> Option<Self> {
+        let started = Instant::now();
+        let edited = base.project.scene.with_rules(rules);
+        Self::of(base, request, stamps, edited, true, started)
+    }
+
+    fn of(
+        base: Base,
+        request: Request,
+        stamps: Vec<Stamp>,
+        edited: Edited,
+        relinked: bool,
+        started: Instant,
+    ) -> Option<Self> {
         let scene = match &base.tree {
             // The tree names behaviours by the ids that they have.
             Some(_) => edited.scene,
@@ -85,7 +112,8 @@ impl Edit {
         let ms = started.elapsed().as_secs_f64() * 1e3;
         let project = base.project.with_dates(request, scene, stamps);
         let (moved, changed) = (edited.moved, edited.changed.len());
-        Some(Self { base, project, tree, moved, changed, ms })
+        let warning = None;
+        Some(Self { base, project, tree, moved, relinked, warning, changed, ms })
     }
 
     /// Reads the schedule of `request` and works the edit out, or loads everything where the schedule
@@ -116,6 +144,13 @@ impl Edit {
 
     /// What happened, for people.
     fn news(&self) -> String {
+        if self.relinked {
+            return match self.changed {
+                0 => "Linked by hand; nothing comes or goes at other times.".to_owned(),
+                1 => "Linked by hand: 1 element comes or goes at other times.".to_owned(),
+                n => format!("Linked by hand: {} elements come or go at other times.", count(n)),
+            };
+        }
         if self.moved == 0 {
             return "The schedule was read again: no dates differ.".to_owned();
         }
@@ -158,6 +193,32 @@ fn sum_up(found: &Resync) -> String {
     }
 }
 
+/// Writes rules to their file: that of the request, else one beside its first file.
+///
+/// # Errors
+/// In words, where they are kept by the window alone.
+fn keep_rules(request: &mut Request, rules: &Rules) -> Result<(), String> {
+    let alone = "The link holds until the window closes";
+    let model = request.models.iter().find_map(|source| match source {
+        Source::File(path) => Some(path),
+        Source::Demo => None,
+    });
+    let beside = || Some(request.schedules.first().or(model)?.with_extension("rules.json"));
+    let Some(file) = request.rules.clone().or_else(beside) else {
+        return Err(format!("{alone}: the demo has no file to keep rules beside."));
+    };
+    if request.rules.is_none() && file.exists() {
+        return Err(format!(
+            "{alone}: {} is there already. Open it first, then what is linked is added to it.",
+            file.display()
+        ));
+    }
+    let written = std::fs::write(&file, rules.to_json());
+    written.map_err(|error| format!("{alone}: cannot write {}: {error}", file.display()))?;
+    request.rules = Some(file);
+    Ok(())
+}
+
 impl AppState {
     fn ready_tree(&self) -> Option<&Arc<Hdlod>> {
         match &self.tree {
@@ -198,17 +259,23 @@ impl AppState {
         };
         if !same_tree || !Arc::ptr_eq(&shown.project, &edit.base.project) {
             let Project { request, stamps, scene, .. } = edit.project;
+            let (relinked, warning) = (edit.relinked, edit.warning);
             let work = move |_: &Progress| {
-                let schedule = scene.schedule.clone();
-                match Edit::new(shown, request.clone(), stamps, schedule) {
-                    Some(edit) => Ok(Loaded::Edit(Box::new(edit))),
+                let again = if relinked {
+                    let rules = Rules::clone(&scene.rules);
+                    Edit::relinked(shown, request.clone(), stamps, rules)
+                } else {
+                    Edit::new(shown, request.clone(), stamps, scene.schedule.clone())
+                };
+                match again {
+                    Some(edit) => Ok(Loaded::Edit(Box::new(Edit { warning, ..edit }))),
                     None => anyhow::bail!("the schedule no longer fits what is shown"),
                 }
             };
             return self.start_loading("the schedule".to_owned(), work);
         }
         self.news = Some(edit.news());
-        self.error = None;
+        self.error = edit.warning.take();
         // What is at work is at work for other dates.
         let was_refining = self.refining.take().is_some();
         self.frames.clear();
@@ -234,6 +301,35 @@ impl AppState {
             (_, Tree::Stopped) => {}
             _ => self.build_tree(),
         }
+    }
+
+    /// Attaches an element to an activity by hand, or detaches it, and keeps that in the rules file.
+    pub(super) fn link_by_hand(&mut self, element: ElementId, activity: usize, attach: bool) {
+        let Some(base) = self.base() else { return };
+        let scene = &base.project.scene;
+        let Some(activity) = scene.schedule.activities.get(activity) else { return };
+        let element = &scene.model.elements[element.index()];
+        let key = element.guid.as_deref().unwrap_or(&element.name);
+        if key.is_empty() {
+            self.error =
+                Some("This element has neither a name nor a guid to link it by.".to_owned());
+            return;
+        }
+        let mut rules = Rules::clone(&scene.rules);
+        if attach {
+            rules.attach(&activity.id, key);
+        } else {
+            rules.detach(&activity.id, key);
+        }
+        let mut request = base.project.request.clone();
+        let kept = keep_rules(&mut request, &rules);
+        let stamps = stamps(&request.watched());
+        let work = move |_: &Progress| {
+            let edit = Edit::relinked(base, request, stamps, rules);
+            let edit = edit.ok_or_else(|| anyhow::anyhow!("the tree belongs to another scene"))?;
+            Ok(Loaded::Edit(Box::new(Edit { warning: kept.err(), ..edit })))
+        };
+        self.start_loading("the links".to_owned(), work);
     }
 
     /// Makes the tree of an edited scene whole, on a thread of its own.

@@ -275,6 +275,8 @@ impl AppState {
             Command::LookFrom(named) => self.look_from(named),
             Command::MoveCamera(camera) => self.move_camera(camera),
             Command::Select(element) => self.selected = element,
+            Command::Attach(element, activity) => self.link_by_hand(element, activity, true),
+            Command::Detach(element, activity) => self.link_by_hand(element, activity, false),
 
             Command::Toggle(panel) => {
                 let open = self.panel_mut(panel);

@@ -261,6 +261,49 @@ fn rules_are_opened_and_looked_after_like_schedules() {
 }
 
 #[test]
+fn links_by_hand_are_kept_in_a_file() {
+    let files = Files::new();
+    let mut state = files.open(None);
+    let scene = |state: &AppState| Arc::clone(&state.project.as_ref().unwrap().scene);
+    let before = scene(&state);
+    let loose = (0..before.model.elements.len() as u32).map(topout_scene::ElementId).find(|&e| {
+        let element = &before.model.elements[e.index()];
+        before.activities_of(e).is_empty() && !element.name.is_empty()
+    });
+    let element = loose.expect("the demo has neighbours");
+    let linked = |state: &AppState| scene(state).activities_of(element).to_vec();
+    state.selected = Some(element);
+    state.apply(Command::Attach(element, 3));
+    settle(&mut state);
+    assert_eq!(state.error, None);
+    assert_eq!((linked(&state), state.selected), (vec![3], Some(element)));
+    assert!(state.news.as_ref().unwrap().contains("1 element "), "{:?}", state.news);
+    let kept = files.path("plan.rules.json");
+    assert_eq!(state.project.as_ref().unwrap().request.rules.as_ref(), Some(&kept));
+    let rules = topout_scene::link::Rules::read(&kept).unwrap();
+    assert_eq!(rules.attached[0].activity, before.schedule.activities[3].id);
+
+    // The tree follows, and what was written is what is read.
+    assert!(state.ready_tree().is_some());
+    let request = state.project.as_ref().unwrap().request.clone();
+    let read = project::load(&request, &Progress::default()).unwrap();
+    for e in (0..before.model.elements.len() as u32).map(topout_scene::ElementId) {
+        assert_eq!(read.behaviour(e), scene(&state).behaviour(e));
+    }
+    state.apply(Command::Detach(element, 3));
+    settle(&mut state);
+    assert!(linked(&state).is_empty());
+    assert_eq!(scene(&state).behaviour(element), before.behaviour(element));
+
+    // A file that is there is not written over before it was opened.
+    let mut other = files.open(None);
+    other.apply(Command::Attach(element, 5));
+    settle(&mut other);
+    assert_eq!(linked(&other), [5], "it holds all the same");
+    assert!(other.error.as_ref().unwrap().contains("plan.rules.json"), "{:?}", other.error);
+}
+
+#[test]
 fn other_activities_are_loaded_anew_and_broken_files_named() {
     let mut files = Files::new();
     let mut state = files.open(None);
