@@ -7,7 +7,7 @@ use super::state::AppState;
 use super::theme::{SMALL, kind_color, palette};
 use crate::report::grouped;
 use egui::{Color32, Rect, RichText, ScrollArea, Sense, Stroke, Ui};
-use topout_scene::ElementId;
+use topout_scene::{ElementId, Scene};
 use topout_schedule::{Activity, Behaviour, Kind, Preset, Time};
 
 /// Activities listed for one element; some schedules link a handful to every element.
@@ -136,6 +136,28 @@ fn element_panel(
         ui.label(format!("… and {} more", activities.len() - LISTED));
     }
     attach(ui, &scene.schedule.activities, id, commands);
+    properties(ui, scene, id);
+}
+
+/// Properties listed for one element.
+const PROPERTIES: usize = 200;
+
+/// What the model's file says of the element beside its name.
+fn properties(ui: &mut Ui, scene: &Scene, element: ElementId) {
+    let count = scene.model.properties(element).count();
+    if count == 0 {
+        return;
+    }
+    ui.add_space(8.0);
+    ui.collapsing(format!("Properties ({count})"), |ui| {
+        for (name, value) in scene.model.properties(element).take(PROPERTIES) {
+            ui.label(RichText::new(name).size(SMALL).color(palette(ui).weak));
+            ui.add(egui::Label::new(RichText::new(value).size(SMALL)).wrap().selectable(true));
+        }
+        if count > PROPERTIES {
+            ui.label(format!("… and {} more", count - PROPERTIES));
+        }
+    });
 }
 
 /// Activities offered for what is typed.

@@ -146,9 +146,9 @@ impl Edit {
     fn news(&self) -> String {
         if self.relinked {
             return match self.changed {
-                0 => "Linked by hand; nothing comes or goes at other times.".to_owned(),
-                1 => "Linked by hand: 1 element comes or goes at other times.".to_owned(),
-                n => format!("Linked by hand: {} elements come or go at other times.", count(n)),
+                0 => "Linked by hand: nothing comes or goes at other times".to_owned(),
+                1 => "Linked by hand: 1 element comes or goes at other times".to_owned(),
+                n => format!("Linked by hand: {} elements come or go at other times", count(n)),
             };
         }
         if self.moved == 0 {
