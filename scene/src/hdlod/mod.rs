@@ -69,7 +69,7 @@ use topout_schedule::{BoundedStep, TimeRange};
 
 /// Counts up whenever [`build`] gives another tree for the same scene and settings: trees that an
 /// earlier version left in the cache are then built anew.
-pub const ALGORITHM: u32 = 9;
+pub const ALGORITHM: u32 = 10;
 
 /// Which promise a tree makes.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
