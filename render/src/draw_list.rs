@@ -203,6 +203,9 @@ fn push_element(
     meshes: &[MeshRange],
     through: &SeeThrough,
 ) {
+    if through.hides(id) {
+        return;
+    }
     let through = through.element(id);
     for instance in model.elements[id.index()].instances.clone() {
         let mesh = meshes[model.instances[instance as usize].mesh.index()];
@@ -228,6 +231,9 @@ fn push_element(
 }
 
 fn push_span(layers: &mut Layers, span: &Span, identity: u32, through: &SeeThrough) {
+    if through.hides_look(span.look) {
+        return;
+    }
     let layer = match span.layer {
         Layer::Opaque if !through.look(span.look) => &mut layers.opaque,
         _ => &mut layers.transparent,

@@ -5,26 +5,56 @@ use crate::pool::{LOOK_BYTES, Pool, look_word};
 use std::sync::Arc;
 use topout_scene::hdlod::{Marks, Parents};
 use topout_scene::{ElementId, Hdlod, LookId, Looks, Scene};
-use topout_schedule::Time;
+use topout_schedule::{Look, Time};
 
 /// More runs of words than this are sent as one.
 const MOST_WRITES: usize = 64;
 
-/// What shines through: drawn with the glass, in front of nothing.
+/// How something of a look is drawn.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+enum Drawn {
+    /// As its materials say.
+    #[default]
+    Own,
+    /// With the glass, in front of nothing.
+    Through,
+    /// Not at all.
+    Not,
+}
+
+impl Drawn {
+    fn of(look: Look) -> Self {
+        match (look.is_hidden(), look.is_see_through()) {
+            (true, _) => Self::Not,
+            (false, true) => Self::Through,
+            (false, false) => Self::Own,
+        }
+    }
+}
+
+/// What shines through, and what is hidden.
 #[derive(Debug, Default)]
 pub(crate) struct SeeThrough {
-    looks: Vec<bool>,
-    /// By element; empty where no look is see-through.
-    elements: Vec<bool>,
+    looks: Vec<Drawn>,
+    /// By element; empty where everything is drawn as its materials say.
+    elements: Vec<Drawn>,
 }
 
 impl SeeThrough {
     pub fn look(&self, look: LookId) -> bool {
-        self.looks.get(look.index()).copied().unwrap_or(false)
+        self.looks.get(look.index()) == Some(&Drawn::Through)
     }
 
     pub fn element(&self, id: ElementId) -> bool {
-        self.elements.get(id.index()).copied().unwrap_or(false)
+        self.elements.get(id.index()) == Some(&Drawn::Through)
+    }
+
+    pub fn hides_look(&self, look: LookId) -> bool {
+        self.looks.get(look.index()) == Some(&Drawn::Not)
+    }
+
+    pub fn hides(&self, id: ElementId) -> bool {
+        self.elements.get(id.index()) == Some(&Drawn::Not)
     }
 }
 
@@ -47,7 +77,7 @@ pub(crate) struct FrameLooks {
 impl FrameLooks {
     pub fn new(looks: Option<Arc<Looks>>) -> Self {
         let Some(looks) = looks else { return Self::default() };
-        let through = looks.palette().iter().map(|look| look.is_see_through()).collect();
+        let through = looks.palette().iter().map(|look| Drawn::of(*look)).collect();
         let through = SeeThrough { looks: through, elements: Vec::new() };
         Self { looks: Some(looks), through, ..Self::default() }
     }
@@ -108,8 +138,8 @@ impl FrameLooks {
         let Some(looks) = &self.looks else { return };
         let model = &scene.model;
         self.words.resize(model.instances.len(), 0);
-        if self.through.looks.contains(&true) {
-            self.through.elements.resize(model.elements.len(), false);
+        if self.through.looks.iter().any(|look| *look != Drawn::Own) {
+            self.through.elements.resize(model.elements.len(), Drawn::Own);
         }
         let mut dirty = Vec::new();
         let own = before.iter().map(|&(element, _)| (element, LookId::OWN));
@@ -119,8 +149,8 @@ impl FrameLooks {
             let words = instances.start as usize..instances.end as usize;
             self.words[words.clone()].fill(word);
             dirty.push(words);
-            if let Some(through) = self.through.elements.get_mut(element.index()) {
-                *through = self.through.looks.get(look.index()).copied().unwrap_or(false);
+            if let Some(drawn) = self.through.elements.get_mut(element.index()) {
+                *drawn = self.through.looks.get(look.index()).copied().unwrap_or_default();
             }
         }
         dirty.sort_unstable_by_key(|range| range.start);

@@ -463,7 +463,9 @@ impl Renderer {
                     }
                     None => self.list.push_spans(&selection.spans, pool.identity, through),
                 }
-                stats.triangles = selection.triangles;
+                let hidden = selection.spans.iter().filter(|s| through.hides_look(s.look));
+                let hidden = hidden.map(|s| u64::from(s.index_count / 3)).sum::<u64>();
+                stats.triangles = selection.triangles.saturating_sub(hidden);
                 stats.clusters = selection.clusters;
                 stats.visited = selection.visited;
                 stats.worst_px = selection.worst_px;
@@ -472,6 +474,13 @@ impl Renderer {
                 self.fader.clear();
                 self.list.gather_visible(scene, view, time, self.options.culling);
                 stats.visited = scene.model.elements.len() as u32;
+            }
+        }
+        let model = &scene.model;
+        for id in self.list.visible.extract_if(.., |id| through.hides(*id)) {
+            if mode == DrawMode::Hdlod {
+                let own = model.triangles_of(&model.elements[id.index()]) as u64;
+                stats.triangles = stats.triangles.saturating_sub(own);
             }
         }
         stats.elements = self.list.visible.len() as u32;
@@ -516,7 +525,8 @@ impl Renderer {
         }
         let glass = covered.filter(|_| self.has_glass(culled));
         let scene = self.scene.as_ref().filter(|_| !self.selection.elements.is_empty());
-        let outline = scene.and_then(|s| self.selection.choose(s, view, time, &uniform));
+        let outline = scene
+            .and_then(|s| self.selection.choose(s, view, time, &uniform, self.looks.see_through()));
         self.draw_scene(&mut encoder, mode, offsets, culled, from_above);
         laps.end(Pass::Scene);
         if let (Some(_), Some(scene), Some(pool)) = (outline, &self.scene, &self.pool) {

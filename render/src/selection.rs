@@ -2,6 +2,7 @@
 
 use crate::frame::{FrameUniform, covered_rectangle};
 use crate::gpu::Gpu;
+use crate::looks::SeeThrough;
 use crate::passes::{MASK_FORMAT, Outline};
 use crate::pool::{MeshRange, Pool};
 use crate::targets::{Target, Targets};
@@ -55,13 +56,14 @@ impl Selection {
         view: &View,
         time: Time,
         uniform: &FrameUniform,
+        through: &SeeThrough,
     ) -> Option<[u32; 4]> {
         self.shown.clear();
         let elements = &scene.model.elements;
         let frustum = view.frustum();
         for &id in &self.elements {
             let Some(element) = elements.get(id.index()) else { continue };
-            let there = scene.behaviour(id).at(time);
+            let there = scene.behaviour(id).at(time) && !through.hides(id);
             if there && frustum.test(&element.bounds) != Containment::Outside {
                 self.shown.push((apparent(&element.bounds, view), id));
             }

@@ -4,6 +4,7 @@
 //! Nothing here touches wgpu or egui.
 
 pub mod cache;
+mod category_looks;
 pub mod check;
 pub mod demo;
 mod edit;
@@ -24,6 +25,7 @@ mod scene;
 mod slip_looks;
 mod view;
 
+pub use category_looks::{Category, LegendRow};
 pub use edit::{EditError, Edited, Renumbering};
 pub use geometry::{Aabb, Layer, Mesh, Vertex, decode_normal, encode_normal};
 pub use hdlod::{Hdlod, Selection};

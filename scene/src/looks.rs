@@ -81,6 +81,23 @@ impl Looks {
         Self::new(palette, spells)
     }
 
+    /// The same, but for some elements that have a look all the time, whatever it was.
+    #[must_use]
+    pub fn overridden(&self, looks: &[(ElementId, Look)]) -> Self {
+        let mut palette = self.palette.clone();
+        let last = looks.iter().map(|(element, _)| element.index()).max();
+        let mut named = vec![false; last.map_or(0, |last| last + 1)];
+        looks.iter().for_each(|(element, _)| named[element.index()] = true);
+        let stays = |spell: &&Spell| !named.get(spell.element.index()).is_some_and(|named| *named);
+        let mut spells: Vec<Spell> = self.spells.iter().filter(stays).copied().collect();
+        spells.extend(looks.iter().map(|&(element, look)| {
+            let look = id_of(&mut palette, look);
+            Spell { start: Time::MIN, end: Time::MAX, element, look }
+        }));
+        spells.retain(|spell| spell.look != LookId::OWN);
+        Self::new(palette, spells)
+    }
+
     fn new(palette: Vec<Look>, mut spells: Vec<Spell>) -> Self {
         spells.sort_unstable_by_key(|s| (s.start, s.element));
         let mut last_ends = vec![Time::MIN; spells.len()];
@@ -209,5 +226,8 @@ mod tests {
         }
         assert_eq!(looks.palette(), [Look::OWN, red]);
         assert_eq!(at(&Looks::default(), t(0)), []);
+        let other = [(ElementId(7), Look::HIDDEN), (ElementId(9), red), (ElementId(4), Look::OWN)];
+        assert_eq!(at(&looks.overridden(&other), t(5)), [(7, Look::HIDDEN), (9, red)]);
+        assert_eq!(looks.overridden(&[]), looks);
     }
 }

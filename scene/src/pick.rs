@@ -41,11 +41,23 @@ impl Picker {
     /// The nearest element that is present at `time` on the ray from `origin` (local space) along
     /// `direction` (any length). Both sides of a triangle count, transparent ones too.
     pub fn pick(&self, scene: &Scene, origin: Vec3, direction: Vec3, time: Time) -> Option<Hit> {
+        self.pick_among(scene, origin, direction, time, |_| true)
+    }
+
+    /// [`Picker::pick`] of the elements that are `wanted`.
+    pub fn pick_among(
+        &self,
+        scene: &Scene,
+        origin: Vec3,
+        direction: Vec3,
+        time: Time,
+        wanted: impl Fn(ElementId) -> bool,
+    ) -> Option<Hit> {
         let ray = Ray::new(origin, direction)?;
         let mut best: Option<(f64, ElementId)> = None;
         self.elements.visit(&ray, &Affine3A::IDENTITY, |e, limit: &mut f64| {
             let id = ElementId(e);
-            if !scene.behaviour(id).at(time) {
+            if !scene.behaviour(id).at(time) || !wanted(id) {
                 return;
             }
             for instance in scene.model.instances_of(&scene.model.elements[id.index()]) {

@@ -114,6 +114,25 @@ impl Calendar {
         }
         None
     }
+
+    /// `time` where somebody works until then, else the last instant before it until which somebody did;
+    /// `None` where nobody did within ten years before.
+    pub fn last_work(&self, time: Time) -> Option<Time> {
+        let civil = time.civil()?;
+        let until = i64::from(civil.num_seconds_from_midnight());
+        let midnight = time.seconds() - until;
+        let mut day = civil.date();
+        for number in 0..3653 {
+            let to = if number == 0 { until } else { i64::from(DAY_SECONDS) };
+            let last = self.shifts_on(day).iter().filter(|s| i64::from(s.start) < to);
+            if let Some(end) = last.map(|s| i64::from(s.end).min(to)).max() {
+                let midnight = midnight - number * i64::from(DAY_SECONDS);
+                return Some(Time::from_seconds(midnight + end));
+            }
+            day = day.pred_opt()?;
+        }
+        None
+    }
 }
 
 /// A calendar as JSON writes it.

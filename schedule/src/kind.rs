@@ -69,7 +69,7 @@ const BUILT_IN: [BuiltIn; 5] = [
 pub struct Look {
     /// sRGB, in place of their own colours.
     pub color: Option<[u8; 3]>,
-    /// In (0, 1], times that of their own colours.
+    /// In [0, 1], times that of their own colours; with 0 they are not drawn.
     pub opacity: f32,
 }
 
@@ -80,6 +80,14 @@ impl Look {
     /// One colour in place of the elements' own.
     pub const fn colored(color: [u8; 3]) -> Self {
         Look { color: Some(color), opacity: 1.0 }
+    }
+
+    /// Not drawn, though they are there.
+    pub const HIDDEN: Look = Look { color: None, opacity: 0.0 };
+
+    /// Whether they are not drawn.
+    pub fn is_hidden(self) -> bool {
+        self.opacity <= 0.0
     }
 
     /// Whether what is behind shines through.

@@ -4,6 +4,7 @@
 //! A test that needs an adapter fails without one: "no adapter" never reads as "passed".
 
 pub mod golden;
+pub mod window;
 
 use glam::UVec2;
 use std::sync::Arc;

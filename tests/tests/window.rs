@@ -4,123 +4,22 @@
 //! widgets by the names that screen readers hear, and looks at what the window then shows.
 #![allow(clippy::unwrap_used)]
 
-use egui::{Key, Modifiers, MouseWheelUnit, Pos2, Rect, Role, TouchPhase};
+use egui::{Key, Modifiers, MouseWheelUnit, Pos2, Role, TouchPhase};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use std::path::PathBuf;
-use std::sync::{Arc, OnceLock};
+use std::sync::Arc;
 use std::time::Duration;
 use topout::project::Request;
-use topout::window::{AppState, Command, Panel, Window};
+use topout::window::{Command, ElementColors, Panel, Speed, Step, Window};
 use topout_render::{DrawMode, Sun};
 use topout_scene::cache::Cache;
 use topout_scene::demo::{DemoSettings, generate};
-use topout_scene::{Progress, Scene, link};
+use topout_scene::{Progress, link};
 use topout_schedule::Time;
-
-/// 1,000 elements; made once for all cases of this process.
-fn scene() -> Arc<Scene> {
-    static SCENE: OnceLock<Arc<Scene>> = OnceLock::new();
-    let make = || {
-        let settings =
-            DemoSettings { elements: 1_000, triangles: 46_000, activities: 850, seed: 4 };
-        let (model, schedule) = generate(&settings, &Progress::default()).unwrap();
-        Arc::new(link::link(model, schedule))
-    };
-    Arc::clone(SCENE.get_or_init(make))
-}
-
-/// The window's own device settings, on a software adapter where there is one.
-fn setup() -> egui_wgpu::WgpuSetup {
-    let mut setup = topout::window::wgpu_setup();
-    if let egui_wgpu::WgpuSetup::CreateNew(create) = &mut setup {
-        create.native_adapter_selector = Some(Arc::new(|adapters, _| {
-            let is_cpu = |a: &&egui_wgpu::wgpu::Adapter| {
-                a.get_info().device_type == egui_wgpu::wgpu::DeviceType::Cpu
-            };
-            let chosen = adapters.iter().find(is_cpu).or(adapters.first());
-            chosen.cloned().ok_or_else(|| "no graphics adapter".to_owned())
-        }));
-    }
-    setup
-}
-
-fn empty() -> Harness<'static, Window> {
-    Harness::builder()
-        .with_size([900.0, 600.0])
-        .with_theme(egui::Theme::Dark)
-        .with_render_cursor(false)
-        .wgpu_setup(setup())
-        .build_eframe(|context| Window::new(context, None).unwrap())
-}
-
-/// With the small demo, its tree ready, at the first day of 2027.
-fn open() -> Harness<'static, Window> {
-    let mut harness = empty();
-    harness.state_mut().state_mut().show_scene(Request::demo(), scene());
-    settle(&mut harness);
-    apply(&mut harness, Command::JumpTo(Time::parse_iso("2027-01-01").unwrap()));
-    harness
-}
-
-/// Runs frames until no thread is at work, what every frame took is known and nothing asks for another.
-fn settle(harness: &mut Harness<'_, Window>) {
-    loop {
-        while harness.state().is_busy() {
-            harness.step();
-            std::thread::sleep(Duration::from_millis(5));
-        }
-        harness.run();
-        if !harness.state().is_busy() {
-            return;
-        }
-    }
-}
-
-fn apply(harness: &mut Harness<'_, Window>, command: Command) {
-    apply_now(harness, command);
-    settle(harness);
-}
-
-/// For commands that start something: does not wait for it.
-fn apply_now(harness: &mut Harness<'_, Window>, command: Command) {
-    harness.state_mut().state_mut().apply(command);
-}
-
-fn state<'a>(harness: &'a Harness<'_, Window>) -> &'a AppState {
-    harness.state().state()
-}
-
-fn view(harness: &Harness<'_, Window>) -> Rect {
-    harness.get_by_label("3D view").rect()
-}
-
-fn axis(harness: &Harness<'_, Window>) -> Rect {
-    harness.get_by_role(Role::Slider).rect()
-}
-
-/// Presses at the first point, moves through the others, lets go at the last.
-fn drag(harness: &mut Harness<'_, Window>, points: &[Pos2]) {
-    harness.hover_at(points[0]);
-    harness.step();
-    harness.drag_at(points[0]);
-    harness.step();
-    for point in &points[1..] {
-        harness.hover_at(*point);
-        harness.step();
-    }
-    harness.drop_at(*points.last().unwrap());
-    harness.run();
-}
-
-/// The pixels of the 3D view.
-fn picture(harness: &mut Harness<'_, Window>) -> Vec<u8> {
-    let place = view(harness);
-    let image = harness.render().unwrap();
-    let (x, y) = (place.min.x as u32, place.min.y as u32);
-    let (width, height) = (place.width() as u32, place.height() as u32);
-    image::imageops::crop_imm(&image, x, y, width, height).to_image().into_raw()
-}
+use topout_tests::window::{
+    apply, apply_now, axis, drag, empty, open, picture, scene, settle, state, view,
+};
 
 #[test]
 fn an_empty_window_says_what_to_do() {
@@ -149,11 +48,11 @@ fn play_advances_the_date_until_pause_and_ends_at_the_end() {
     apply(&mut harness, Command::ToEnd);
     harness.key_press(Key::Space);
     harness.step();
-    assert!(state(&harness).playing);
+    assert!(state(&harness).clock.is_playing());
     assert!(state(&harness).time() < before, "playing at the end starts over");
-    apply_now(&mut harness, Command::SetSpeed(120));
+    apply_now(&mut harness, Command::SetSpeed(Speed::Days(120)));
     let mut steps = 0;
-    while state(&harness).playing {
+    while state(&harness).clock.is_playing() {
         harness.step();
         steps += 1;
         assert!(steps < 200, "never ends");
@@ -168,7 +67,7 @@ fn dragging_the_timeline_changes_the_date_and_the_picture() {
     let at = |share: f32| Pos2::new(place.min.x + place.width() * share, place.min.y + 20.0);
     let share = |harness: &Harness<'_, Window>| {
         let s = state(harness);
-        s.calendar().unwrap().share(s.time())
+        s.scale.share(s.time())
     };
     // The figures are times, which differ from frame to frame.
     apply(&mut harness, Command::Toggle(Panel::Figures));
@@ -354,7 +253,7 @@ fn coloring_by_level_changes_the_picture_alone_and_can_be_taken_back() {
     apply(&mut harness, Command::Toggle(Panel::Figures));
     let by_activity = picture(&mut harness);
     // Where something is at work, single elements have other colours: another cut.
-    apply(&mut harness, Command::ToggleActivityColors);
+    apply(&mut harness, Command::ColorBy(ElementColors::Activity));
     let plain = picture(&mut harness);
     assert!(by_activity != plain);
     let stats = *state(&harness).frames.last().unwrap();
@@ -369,7 +268,7 @@ fn coloring_by_level_changes_the_picture_alone_and_can_be_taken_back() {
     assert!(plain != colored, "the colours show");
     apply(&mut harness, Command::ToggleLevelColors);
     assert!(plain == picture(&mut harness), "nothing of them is left");
-    apply(&mut harness, Command::ToggleActivityColors);
+    apply(&mut harness, Command::ColorBy(ElementColors::Activity));
     assert!(by_activity == picture(&mut harness));
 }
 
@@ -435,7 +334,7 @@ fn a_click_selects_and_its_dates_lead_through_time() {
     apply(&mut harness, Command::ToEnd);
     let middle = view(&harness).center();
     drag(&mut harness, &[middle]);
-    let element = state(&harness).selected.expect("the building stands in the middle");
+    let element = state(&harness).selected.only().expect("the building stands in the middle");
     let scene = scene();
     harness.get_by_label(&scene.model.elements[element.index()].name);
 
@@ -447,7 +346,7 @@ fn a_click_selects_and_its_dates_lead_through_time() {
 
     harness.key_press(Key::Escape);
     harness.run();
-    assert_eq!(state(&harness).selected, None);
+    assert!(state(&harness).selected.is_empty());
 }
 
 #[test]
@@ -540,7 +439,7 @@ fn the_graph_shows_the_frames_that_were_rendered() {
     let mut harness = open();
     let remembered = state(&harness).frames.len();
     for _ in 0..5 {
-        apply(&mut harness, Command::StepDays(7));
+        apply(&mut harness, Command::Step(Step::Days(7)));
     }
     assert_eq!(state(&harness).frames.len(), remembered + 5);
     assert!(harness.query_by_label_contains("Frame times: median").is_none());
@@ -552,7 +451,7 @@ fn the_graph_shows_the_frames_that_were_rendered() {
 
     // The last frame stands at the right end; its parts are told there.
     harness.hover_at(Pos2::new(graph.right() - 1.0, graph.center().y));
-    harness.run();
+    harness.run_steps(10);
     harness.get_by_label_contains("Last frame: ");
     harness.get_by_label("selection");
     harness.key_press(Key::G);

@@ -2,7 +2,7 @@
 //!
 //! Everything is a pure function of the instant asked for, so scrubbing, jumping and playing agree.
 
-use chrono::{Datelike, Duration, NaiveDate, NaiveTime};
+use chrono::{Datelike, Duration, NaiveTime};
 use topout_schedule::{Schedule, Time, TimeRange};
 
 /// Seconds of a civil day.
@@ -14,17 +14,6 @@ pub struct Calendar {
     period: TimeRange,
     starts: Vec<Time>,
     ends: Vec<Time>,
-}
-
-/// A mark on the time axis.
-#[derive(Clone, PartialEq, Debug)]
-pub struct Tick {
-    /// Where.
-    pub time: Time,
-    /// What stands beside it.
-    pub label: String,
-    /// The first of its year.
-    pub major: bool,
 }
 
 impl Calendar {
@@ -61,30 +50,30 @@ impl Calendar {
         events_in(&self.starts, from, to)
     }
 
-    /// Starts and ends in each of `bins` equal parts of the period; the last part includes its end.
-    pub fn density(&self, bins: usize) -> Vec<usize> {
-        let edge = |i: usize| self.period.at_fraction(i as f64 / bins as f64);
+    /// Starts and ends in each of `bins` equal parts of a span; the last part includes its end.
+    pub fn density(&self, span: TimeRange, bins: usize) -> Vec<[usize; 2]> {
+        let edge = |i: usize| span.at_fraction(i as f64 / bins as f64);
         (0..bins)
             .map(|i| {
                 let to = if i + 1 == bins { edge(bins).plus_seconds(1) } else { edge(i + 1) };
-                events_in(&self.starts, edge(i), to) + events_in(&self.ends, edge(i), to)
+                [&self.starts, &self.ends].map(|events| events_in(events, edge(i), to))
             })
             .collect()
     }
 
-    /// The instant at a share of the period, held at its ends.
-    pub fn at(&self, share: f64) -> Time {
-        self.period.at_fraction(share.clamp(0.0, 1.0))
-    }
-
-    /// The share of the period at an instant, in [0, 1].
-    pub fn share(&self, time: Time) -> f64 {
-        let length = self.period.seconds();
-        if length == 0 {
-            return 0.0;
+    /// The next instant after `time` at which an activity starts or ends, or the last one before.
+    pub fn event_beside(&self, time: Time, after: bool) -> Option<Time> {
+        let lists = [&self.starts, &self.ends];
+        match after {
+            true => {
+                let next = |l: &Vec<Time>| l.get(l.partition_point(|&t| t <= time)).copied();
+                lists.into_iter().filter_map(next).min()
+            }
+            false => {
+                let last = |l: &Vec<Time>| l[..l.partition_point(|&t| t < time)].last().copied();
+                lists.into_iter().filter_map(last).max()
+            }
         }
-        let past = time.seconds().saturating_sub(self.period.start.seconds());
-        (past as f64 / length as f64).clamp(0.0, 1.0)
     }
 
     /// The week of the project, Mondays first; the week of the project's start is 1.
@@ -103,44 +92,16 @@ impl Calendar {
             _ => time.to_string(),
         }
     }
-
-    /// Month marks, thinned so that at most `most` of them carry a label.
-    pub fn ticks(&self, most: usize) -> Vec<Tick> {
-        let (Some(start), Some(end)) = (self.period.start.civil(), self.period.end.civil()) else {
-            return Vec::new();
-        };
-        let months = |d: NaiveDate| i64::from(d.year()) * 12 + i64::from(d.month0());
-        let (first, last) = (months(start.date()), months(end.date()));
-        let count = last - first + 1;
-        // Steps that divide a year keep January among the marks.
-        let step = [1, 2, 3, 6, 12, 24, 60, 120, 600]
-            .into_iter()
-            .find(|step| count / step <= most.max(1) as i64)
-            .unwrap_or(1200);
-        let from = first.div_euclid(step) * step;
-        (from..=last)
-            .step_by(step as usize)
-            .filter_map(|m| {
-                let month = u32::try_from(m.rem_euclid(12)).ok()? + 1;
-                let year = i32::try_from(m.div_euclid(12)).ok()?;
-                let date = NaiveDate::from_ymd_opt(year, month, 1)?;
-                let time = Time::from_civil(date.and_time(NaiveTime::MIN));
-                let major = month == 1;
-                let label = if major || step >= 12 {
-                    date.format("%Y").to_string()
-                } else {
-                    date.format("%b").to_string()
-                };
-                let inside = self.period.start <= time && time <= self.period.end;
-                inside.then_some(Tick { time, label, major })
-            })
-            .collect()
-    }
 }
 
 fn events_in(sorted: &[Time], from: Time, to: Time) -> usize {
     let before = |limit: Time| sorted.partition_point(|&t| t < limit);
     before(to).saturating_sub(before(from))
+}
+
+/// `3 Mar 2026`, whatever the time of day.
+pub fn day_date(time: Time) -> String {
+    time.civil().map_or_else(|| time.to_string(), |civil| civil.format("%-d %b %Y").to_string())
 }
 
 /// `3 Mar 2026`, with the time of day where it is not midnight.
@@ -215,32 +176,12 @@ mod tests {
     fn density_counts_every_event_once() {
         let c = calendar(&[("2026-01-01", "2026-02-10"), ("2026-01-05", "2026-03-01")]);
         for bins in [1, 7, 64, 1000] {
-            let density = c.density(bins);
-            assert_eq!((density.len(), density.iter().sum::<usize>()), (bins, 4));
+            let density = c.density(c.period(), bins);
+            let sums = [0, 1].map(|i| density.iter().map(|bin| bin[i]).sum::<usize>());
+            assert_eq!((density.len(), sums), (bins, [2, 2]));
         }
-        assert!(c.density(0).is_empty());
-    }
-
-    #[test]
-    fn share_and_instant_are_inverse_and_held_at_the_ends() {
-        let c = calendar(&[("2026-01-01", "2027-01-01")]);
-        for i in 0..=10 {
-            let share = f64::from(i) / 10.0;
-            assert!((c.share(c.at(share)) - share).abs() < 1e-6);
-        }
-        assert_eq!(c.share(time("2020-01-01")), 0.0);
-        assert_eq!(c.at(7.0), time("2027-01-01"));
-        assert_eq!(Calendar::default().share(time("2020-01-01")), 0.0);
-    }
-
-    #[test]
-    fn ticks_are_thinned_and_keep_january() {
-        let c = calendar(&[("2026-03-03", "2028-07-24")]);
-        let labels = |most| c.ticks(most).into_iter().map(|t| t.label).collect::<Vec<_>>();
-        assert_eq!(labels(100).len(), 28);
-        assert!(labels(10).len() <= 11);
-        assert!(labels(10).contains(&"2027".to_owned()));
-        assert_eq!(labels(3), ["2027", "2028"]);
-        assert!(Calendar::default().ticks(5).len() <= 1);
+        assert!(c.density(c.period(), 0).is_empty());
+        let part = TimeRange { start: time("2026-01-05"), end: time("2026-02-09") };
+        assert_eq!(c.density(part, 2), [[1, 0], [0, 0]]);
     }
 }

@@ -10,7 +10,7 @@ use topout_render::DrawMode;
 use topout_schedule::Severity;
 
 /// Titles of the menus and the names of the actions in them; an empty name draws a line.
-const MENUS: [(&str, &[&str]); 5] = [
+const MENUS: [(&str, &[&str]); 6] = [
     (
         "File",
         &["Open model…", "Open schedule…", "Reload schedule", "Open demo project", "", "Quit"],
@@ -20,7 +20,6 @@ const MENUS: [(&str, &[&str]); 5] = [
         &[
             "Fit all",
             "Fit selection",
-            "Clear selection",
             "",
             "Front",
             "Back",
@@ -29,36 +28,88 @@ const MENUS: [(&str, &[&str]); 5] = [
             "Top",
             "Iso",
             "",
+            "Model tree",
             "Inspector",
             "Timeline",
+            "Progress curves",
+            "Gantt chart",
             "Frame figures",
             "Frame times",
+            "",
             "Color by activity",
             "Color by slip",
+            "Color by storey",
+            "Color by type",
             "Color by level",
+            "",
             "Fade between levels",
             "Sun…",
             "Dark or light",
         ],
     ),
     (
+        "Select",
+        &[
+            "Undo",
+            "Redo",
+            "",
+            "Clear selection",
+            "",
+            "Hide selection",
+            "Ghost selection",
+            "Show selection",
+            "Isolate selection",
+            "Ghost everything else",
+            "Show all",
+            "",
+            "Unscheduled elements: shown",
+            "Unscheduled elements: ghosts",
+            "Unscheduled elements: hidden",
+        ],
+    ),
+    (
         "Timeline",
         &[
             "Play or pause",
+            "Play",
+            "Play backward",
+            "Pause",
+            "Stop",
             "Play faster",
             "Play slower",
             "Skip non-working time",
             "",
+            "Hour forward",
+            "Hour back",
             "Day forward",
             "Day back",
             "Week forward",
             "Week back",
-            "",
+            "Month forward",
+            "Month back",
+            "Next event",
+            "Previous event",
             "Start of project",
             "End of project",
+            "",
+            "Loop what the timeline shows",
+            "No loop",
+            "Fit timeline",
         ],
     ),
-    ("Tools", &["Draw HDLOD", "Draw batched", "Draw objects", "", "HDLOD table…", "Diagnostics"]),
+    (
+        "Tools",
+        &[
+            "Command palette…",
+            "",
+            "Draw HDLOD",
+            "Draw batched",
+            "Draw objects",
+            "",
+            "HDLOD table…",
+            "Diagnostics",
+        ],
+    ),
     ("Help", &["Keyboard shortcuts"]),
 ];
 
@@ -79,6 +130,13 @@ pub fn bar(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             });
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let palette = Command::Toggle(Panel::Palette);
+            let search =
+                ui.button(RichText::new(format!("Search  {}", keys_of(&palette))).size(SMALL));
+            let search = search.accessible_name("Command palette");
+            if search.on_hover_text("Find any command or activity by its name").clicked() {
+                commands.push(palette);
+            }
             badge(ui, state, commands);
             if state.project.is_some() {
                 tolerance(ui, state, commands);
@@ -93,16 +151,28 @@ fn entry(ui: &mut Ui, state: &AppState, action: &Action, commands: &mut Vec<Comm
     let button = egui::Button::new(action.name)
         .shortcut_text(RichText::new(keys).size(SMALL))
         .selected(is_on(state, &action.command));
-    let enabled = match (&state.project, &action.command) {
-        (Some(project), Command::ReloadSchedule) => !project.request.schedules.is_empty(),
-        (Some(project), Command::ToggleSlipColors) => project.slip_looks.is_some(),
-        (Some(project), Command::ToggleSkipIdle) => {
-            project.scene.schedule.work_calendar().is_some()
-        }
-        (project, command) => project.is_some() || !needs_project(command),
-    };
+    let enabled = is_enabled(state, &action.command);
     if ui.add_enabled(enabled, button).clicked() {
         commands.push(action.command.clone());
+    }
+}
+
+/// Whether a command means something now.
+pub fn is_enabled(state: &AppState, command: &Command) -> bool {
+    let Some(project) = &state.project else { return !needs_project(command) };
+    match command {
+        Command::ReloadSchedule => !project.request.schedules.is_empty(),
+        Command::ColorBy(ElementColors::Slip) => project.slip_looks.is_some(),
+        Command::ToggleSkipIdle => project.scene.schedule.work_calendar().is_some(),
+        Command::SetLoop(None) => state.clock.looped().is_some(),
+        Command::Undo => state.history.reach().0,
+        Command::Redo => state.history.reach().1,
+        Command::DrawSelection(_) | Command::Isolate(_) | Command::FitSelection => {
+            !state.selected.elements().is_empty()
+        }
+        Command::ClearSelection => !state.selected.is_empty(),
+        Command::ShowAll => !state.visibility.is_default(),
+        _ => true,
     }
 }
 
@@ -110,11 +180,14 @@ fn entry(ui: &mut Ui, state: &AppState, action: &Action, commands: &mut Vec<Comm
 fn is_on(state: &AppState, command: &Command) -> bool {
     match command {
         Command::SetMode(mode) => state.mode == *mode,
-        Command::ToggleActivityColors => state.colors == ElementColors::Activity,
-        Command::ToggleSlipColors => state.colors == ElementColors::Slip,
-        Command::ToggleSkipIdle => state.skip_idle,
+        Command::ColorBy(colors) => state.colors == *colors,
+        Command::DrawUnscheduled(shown) => state.visibility.unscheduled == *shown,
+        Command::ToggleSkipIdle => state.clock.skip_idle,
         Command::ToggleLevelColors => state.level_colors,
         Command::ToggleFade => state.fade,
+        Command::Toggle(Panel::Gantt) => state.panels.gantt,
+        Command::Toggle(Panel::Tree) => state.panels.tree,
+        Command::Toggle(Panel::Curves) => state.panels.curves,
         Command::Toggle(Panel::Inspector) => state.panels.inspector,
         Command::Toggle(Panel::Timeline) => state.panels.timeline,
         Command::Toggle(Panel::Figures) => state.panels.figures,
@@ -135,7 +208,7 @@ fn needs_project(command: &Command) -> bool {
             | Command::OpenDemo
             | Command::Quit
             | Command::ToggleScheme
-            | Command::Toggle(Panel::Shortcuts)
+            | Command::Toggle(Panel::Shortcuts | Panel::Palette)
     )
 }
 

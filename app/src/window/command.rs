@@ -1,18 +1,33 @@
 //! Everything that the window can be asked for: one enum feeds menus, shortcuts and tooltips.
 
+use super::browser::Browse;
 use super::camera::Camera;
+use super::clock::{Speed, Step};
+use super::gantt::Filter;
+use super::selection::Choose;
+use super::shown::ElementColors;
 use super::theme::Scheme;
+use super::timeline::Scale;
+use super::visibility::Shown;
 use crate::bench::export::Format;
 use crate::project::Request;
 use egui::{Key, Modifiers};
 use std::path::PathBuf;
 use topout_render::{DrawMode, Sun};
 use topout_scene::{ElementId, NamedView};
-use topout_schedule::Time;
+use topout_schedule::{Time, TimeRange};
 
 /// A panel that folds.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Panel {
+    /// Activities as rows and bars.
+    Gantt,
+    /// The elements by storey, type and activity.
+    Tree,
+    /// Progress over time, below the timeline's events.
+    Curves,
+    /// Every command, by name.
+    Palette,
     /// What is known of the selected element.
     Inspector,
     /// Transport, date and time axis.
@@ -59,8 +74,16 @@ pub enum Command {
 
     /// Play or pause.
     TogglePlay,
-    /// Move by a number of days.
-    StepDays(i64),
+    /// Play towards the end; asked again, twice as fast.
+    PlayForward,
+    /// Play towards the start; asked again, twice as fast.
+    PlayBackward,
+    /// Stand still.
+    Pause,
+    /// Stand still at the start of what is played.
+    Stop,
+    /// Move by hours, days, months or to an event.
+    Step(Step),
     /// Go to an instant, held within the period.
     JumpTo(Time),
     /// Go to the first instant.
@@ -69,21 +92,27 @@ pub enum Command {
     ToEnd,
     /// Leave out nights and days off while playing, or not.
     ToggleSkipIdle,
-    /// Days a second while playing.
-    SetSpeed(u32),
+    /// How fast time runs while playing.
+    SetSpeed(Speed),
     /// The next higher speed.
     Faster,
     /// The next lower speed.
     Slower,
+    /// Play a part again and again; `None`: all, once.
+    SetLoop(Option<TimeRange>),
+    /// Play what the timeline shows again and again.
+    LoopShown,
+    /// Which part of time the timeline shows.
+    ShowTime(Scale),
+    /// The timeline shows the whole project.
+    FitTimeline,
 
     /// How the scene is drawn.
     SetMode(DrawMode),
     /// Largest error allowed on the picture, physical pixels.
     SetTolerance(f32),
-    /// Colour what activities are at work on, or not.
-    ToggleActivityColors,
-    /// Colour how much earlier or later activities are than planned, or not.
-    ToggleSlipColors,
+    /// Colour elements by something, or no longer where they are.
+    ColorBy(ElementColors),
     /// Colour clusters by their level, or not.
     ToggleLevelColors,
     /// Let levels that follow each other fade into each other, or not.
@@ -97,19 +126,51 @@ pub enum Command {
 
     /// Show everything.
     Fit,
-    /// Show the selected element.
+    /// Show the selected elements.
     FitSelection,
     /// Look from a standard direction.
     LookFrom(NamedView),
     /// Move the camera as a gesture says.
     MoveCamera(Camera),
-    /// Select an element or nothing.
-    Select(Option<ElementId>),
+    /// Select elements.
+    Choose(Choose, Vec<ElementId>),
+    /// Select nothing.
+    ClearSelection,
+    /// Select an activity, given by its place in the schedule, and its elements.
+    SelectActivity(usize),
+    /// Select the elements of all activities below a summary, given by its place in the outline.
+    SelectSummary(u32),
+    /// How the selected elements are drawn.
+    DrawSelection(Shown),
+    /// How some elements are drawn.
+    Draw(Shown, Vec<ElementId>),
+    /// How everything but the selected elements is drawn.
+    Isolate(Shown),
+    /// Draw everything as ever.
+    ShowAll,
+    /// How elements are drawn that no activity touches.
+    DrawUnscheduled(Shown),
 
-    /// Link an element to an activity, given by its place in the schedule, by hand.
-    Attach(ElementId, usize),
-    /// Take away such a link, or one that a rule made.
-    Detach(ElementId, usize),
+    /// Move an activity to other dates, and what follows from it.
+    MoveActivity(usize, TimeRange),
+    /// Take back the last change.
+    Undo,
+    /// Make it again.
+    Redo,
+
+    /// How the model tree is grouped, searched and unfolded.
+    Browse(Box<Browse>),
+    /// Which activities the Gantt chart lists.
+    SetFilter(Box<Filter>),
+    /// Fold or unfold what is below a summary, given by its place in the outline.
+    Fold(u32, bool),
+    /// Fold or unfold all summaries.
+    FoldAll(bool),
+
+    /// Link elements to an activity, given by its place in the schedule, by hand.
+    Attach(Vec<ElementId>, usize),
+    /// Take away such links, or those that a rule made.
+    Detach(Vec<ElementId>, usize),
 
     /// Show or hide a panel.
     Toggle(Panel),
@@ -146,6 +207,10 @@ impl Shortcut {
         Self { modifiers: Modifiers::SHIFT, key }
     }
 
+    const fn alt(key: Key) -> Self {
+        Self { modifiers: Modifiers::ALT, key }
+    }
+
     const fn command(key: Key) -> Self {
         Self { modifiers: Modifiers::COMMAND, key }
     }
@@ -160,12 +225,19 @@ impl Shortcut {
         if self.modifiers.command {
             text.push_str(if cfg!(target_os = "macos") { "Cmd+" } else { "Ctrl+" });
         }
+        if self.modifiers.alt {
+            text.push_str("Alt+");
+        }
         if self.modifiers.shift {
             text.push_str("Shift+");
         }
         text + match self.key {
             Key::ArrowLeft => "Left",
             Key::ArrowRight => "Right",
+            Key::ArrowUp => "Up",
+            Key::ArrowDown => "Down",
+            Key::Comma => ",",
+            Key::Period => ".",
             Key::OpenBracket => "[",
             Key::CloseBracket => "]",
             key => key.name(),
@@ -191,8 +263,8 @@ pub fn actions() -> Vec<Action> {
     use Command as C;
     use Shortcut as S;
     let action = |command, name, shortcut| Action { command, name, shortcut, repeats: false };
-    let step = |days, name, shortcut| Action {
-        command: C::StepDays(days),
+    let step = |step, name, shortcut| Action {
+        command: C::Step(step),
         name,
         shortcut: Some(shortcut),
         repeats: true,
@@ -203,9 +275,20 @@ pub fn actions() -> Vec<Action> {
         action(C::ReloadSchedule, "Reload schedule", Some(S::command(Key::R))),
         action(C::OpenDemo, "Open demo project", Some(S::command(Key::D))),
         action(C::Quit, "Quit", Some(S::command(Key::Q))),
+        action(C::Undo, "Undo", Some(S::command(Key::Z))),
+        action(C::Redo, "Redo", Some(S::command_shift(Key::Z))),
         action(C::Fit, "Fit all", Some(S::key(Key::F))),
         action(C::FitSelection, "Fit selection", Some(S::shift(Key::F))),
-        action(C::Select(None), "Clear selection", Some(S::key(Key::Escape))),
+        action(C::ClearSelection, "Clear selection", Some(S::key(Key::Escape))),
+        action(C::DrawSelection(Shown::Hidden), "Hide selection", Some(S::key(Key::X))),
+        action(C::DrawSelection(Shown::Ghost), "Ghost selection", Some(S::key(Key::Z))),
+        action(C::DrawSelection(Shown::Whole), "Show selection", Some(S::shift(Key::X))),
+        action(C::Isolate(Shown::Hidden), "Isolate selection", Some(S::key(Key::S))),
+        action(C::Isolate(Shown::Ghost), "Ghost everything else", Some(S::shift(Key::S))),
+        action(C::ShowAll, "Show all", Some(S::key(Key::U))),
+        action(C::DrawUnscheduled(Shown::Whole), "Unscheduled elements: shown", None),
+        action(C::DrawUnscheduled(Shown::Ghost), "Unscheduled elements: ghosts", None),
+        action(C::DrawUnscheduled(Shown::Hidden), "Unscheduled elements: hidden", None),
         action(C::LookFrom(NamedView::Front), "Front", Some(S::key(Key::Num1))),
         action(C::LookFrom(NamedView::Back), "Back", Some(S::key(Key::Num2))),
         action(C::LookFrom(NamedView::Left), "Left", Some(S::key(Key::Num3))),
@@ -215,27 +298,46 @@ pub fn actions() -> Vec<Action> {
         action(C::SetMode(DrawMode::Hdlod), "Draw HDLOD", Some(S::key(Key::H))),
         action(C::SetMode(DrawMode::Batched), "Draw batched", Some(S::key(Key::B))),
         action(C::SetMode(DrawMode::Objects), "Draw objects", Some(S::key(Key::O))),
+        action(C::Toggle(Panel::Tree), "Model tree", Some(S::key(Key::M))),
         action(C::Toggle(Panel::Inspector), "Inspector", Some(S::key(Key::I))),
+        action(C::Toggle(Panel::Gantt), "Gantt chart", Some(S::key(Key::N))),
+        action(C::Toggle(Panel::Curves), "Progress curves", None),
         action(C::Toggle(Panel::Timeline), "Timeline", Some(S::key(Key::T))),
         action(C::Toggle(Panel::Figures), "Frame figures", Some(S::key(Key::P))),
         action(C::Toggle(Panel::Graph), "Frame times", Some(S::key(Key::G))),
         action(C::Toggle(Panel::Sun), "Sun…", None),
         action(C::Toggle(Panel::Diagnostics), "Diagnostics", Some(S::key(Key::D))),
-        action(C::ToggleActivityColors, "Color by activity", Some(S::key(Key::A))),
-        action(C::ToggleSlipColors, "Color by slip", Some(S::shift(Key::A))),
+        action(C::ColorBy(ElementColors::Activity), "Color by activity", Some(S::key(Key::A))),
+        action(C::ColorBy(ElementColors::Slip), "Color by slip", Some(S::shift(Key::A))),
+        action(C::ColorBy(ElementColors::Storey), "Color by storey", None),
+        action(C::ColorBy(ElementColors::Type), "Color by type", None),
         action(C::ToggleLevelColors, "Color by level", Some(S::key(Key::C))),
         action(C::ToggleFade, "Fade between levels", None),
-        action(C::ToggleScheme, "Dark or light", Some(S::key(Key::L))),
+        action(C::ToggleScheme, "Dark or light", Some(S::command(Key::L))),
         action(C::TogglePlay, "Play or pause", Some(S::key(Key::Space))),
+        action(C::PlayForward, "Play", Some(S::key(Key::L))),
+        action(C::Pause, "Pause", Some(S::key(Key::K))),
+        action(C::PlayBackward, "Play backward", Some(S::key(Key::J))),
+        action(C::Stop, "Stop", None),
+        action(C::LoopShown, "Loop what the timeline shows", Some(S::key(Key::R))),
+        action(C::SetLoop(None), "No loop", Some(S::shift(Key::R))),
+        action(C::FitTimeline, "Fit timeline", Some(S::shift(Key::T))),
         action(C::ToggleSkipIdle, "Skip non-working time", None),
-        step(1, "Day forward", S::key(Key::ArrowRight)),
-        step(-1, "Day back", S::key(Key::ArrowLeft)),
-        step(7, "Week forward", S::shift(Key::ArrowRight)),
-        step(-7, "Week back", S::shift(Key::ArrowLeft)),
+        step(Step::Days(1), "Day forward", S::key(Key::ArrowRight)),
+        step(Step::Days(-1), "Day back", S::key(Key::ArrowLeft)),
+        step(Step::Days(7), "Week forward", S::shift(Key::ArrowRight)),
+        step(Step::Days(-7), "Week back", S::shift(Key::ArrowLeft)),
+        step(Step::Months(1), "Month forward", S::alt(Key::ArrowRight)),
+        step(Step::Months(-1), "Month back", S::alt(Key::ArrowLeft)),
+        step(Step::Hours(1), "Hour forward", S::key(Key::Period)),
+        step(Step::Hours(-1), "Hour back", S::key(Key::Comma)),
+        step(Step::Event(1), "Next event", S::command(Key::ArrowRight)),
+        step(Step::Event(-1), "Previous event", S::command(Key::ArrowLeft)),
         action(C::ToStart, "Start of project", Some(S::key(Key::Home))),
         action(C::ToEnd, "End of project", Some(S::key(Key::End))),
         action(C::Faster, "Play faster", Some(S::key(Key::CloseBracket))),
         action(C::Slower, "Play slower", Some(S::key(Key::OpenBracket))),
+        action(C::Toggle(Panel::Palette), "Command palette…", Some(S::command(Key::P))),
         action(C::Toggle(Panel::Table), "HDLOD table…", Some(S::command(Key::T))),
         action(C::Toggle(Panel::Shortcuts), "Keyboard shortcuts", Some(S::key(Key::F1))),
     ]
@@ -244,7 +346,11 @@ pub fn actions() -> Vec<Action> {
 /// The commands that this frame's key presses ask for. Nothing while a text is being typed or a
 /// menu is open, which Escape and the arrows belong to.
 pub fn from_keys(ctx: &egui::Context) -> Vec<Command> {
-    if typing(ctx) || egui::Popup::is_any_open(ctx) {
+    // Escape takes the focus from a field before anybody else sees it.
+    let typed = egui::Id::unique("typing");
+    let (now, before) = (typing(ctx), ctx.data(|data| data.get_temp(typed).unwrap_or(false)));
+    ctx.data_mut(|data| data.insert_temp(typed, now));
+    if now || before || egui::Popup::is_any_open(ctx) {
         return Vec::new();
     }
     let actions = actions();
@@ -305,7 +411,8 @@ mod tests {
     #[test]
     fn keys_are_written_as_users_know_them() {
         assert_eq!(keys_of(&Command::OpenSchedule), "Ctrl+Shift+O");
-        assert_eq!(keys_of(&Command::StepDays(7)), "Shift+Right");
+        assert_eq!(keys_of(&Command::Step(Step::Days(7))), "Shift+Right");
+        assert_eq!(keys_of(&Command::Step(Step::Months(-1))), "Alt+Left");
         assert_eq!(keys_of(&Command::Faster), "]");
         assert_eq!(keys_of(&Command::TogglePlay), "Space");
         assert_eq!(keys_of(&Command::CancelTable), "");

@@ -1,14 +1,19 @@
 //! The right side: what is known of the selected element, or of the project.
 
+use super::browser::name_of;
 use super::calendar::short_date;
+use super::chrome::is_enabled;
 use super::command::{Command, keys_of};
 use super::loading::Project;
 use super::state::AppState;
 use super::theme::{SMALL, kind_color, palette};
+use super::timeline::Scale;
+use super::visibility::Shown;
 use crate::report::grouped;
 use egui::{Color32, Rect, RichText, ScrollArea, Sense, Stroke, Ui};
-use topout_scene::{ElementId, Scene};
-use topout_schedule::{Activity, Behaviour, Kind, Preset, Time};
+use std::collections::BTreeMap;
+use topout_scene::{Category, ElementId, Scene};
+use topout_schedule::{Activity, Behaviour, DateSet, Kind, Preset, Time};
 
 /// Activities listed for one element; some schedules link a handful to every element.
 const LISTED: usize = 200;
@@ -16,10 +21,145 @@ const LISTED: usize = 200;
 /// Draws the panel's content and collects what is asked for.
 pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let Some(project) = &state.project else { return };
-    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| match state.selected {
-        Some(element) => element_panel(ui, state, project, element, commands),
-        None => project_panel(ui, state, project),
+    let selected = &state.selected;
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        match (selected.activity(), selected.only(), selected.elements().len()) {
+            (Some(activity), ..) => activity_panel(ui, state, project, activity, commands),
+            (None, Some(element), _) => element_panel(ui, state, project, element, commands),
+            (None, None, 0) => project_panel(ui, state, project),
+            (None, None, _) => several_panel(ui, state, project, commands),
+        }
     });
+}
+
+/// What can be done with what is selected.
+fn buttons(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    ui.horizontal_wrapped(|ui| {
+        for (name, tip, command) in [
+            ("Show", "Fit the view to it", Command::FitSelection),
+            ("Hide", "Draw it no longer", Command::DrawSelection(Shown::Hidden)),
+            ("Ghost", "Draw it pale and see-through", Command::DrawSelection(Shown::Ghost)),
+            ("Isolate", "Draw nothing else", Command::Isolate(Shown::Hidden)),
+            ("Clear", "Select nothing", Command::ClearSelection),
+        ] {
+            let button = egui::Button::new(RichText::new(name).size(SMALL)).small();
+            let button = ui.add_enabled(is_enabled(state, &command), button);
+            if button.on_hover_text(format!("{tip} ({})", keys_of(&command))).clicked() {
+                commands.push(command);
+            }
+        }
+    });
+}
+
+/// Several elements: how many of what.
+fn several_panel(ui: &mut Ui, state: &AppState, project: &Project, commands: &mut Vec<Command>) {
+    let (scene, elements) = (&project.scene, state.selected.elements());
+    ui.heading(format!("{} elements", grouped(elements.len() as u64)));
+    buttons(ui, state, commands);
+    ui.add_space(8.0);
+    let there = elements.iter().filter(|id| scene.behaviour(**id).at(state.time())).count();
+    let loose = elements.iter().filter(|id| scene.activities_of(**id).is_empty()).count();
+    rows(ui, "several", |ui| {
+        row(ui, "Present now", &grouped(there as u64));
+        row(ui, "Not scheduled", &grouped(loose as u64));
+    });
+    for (title, category) in [("Types", Category::Type), ("Storeys", Category::Storey)] {
+        let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+        for &id in elements {
+            *counts.entry(category.of(scene, id)).or_default() += 1;
+        }
+        let mut counts: Vec<_> = counts.into_iter().collect();
+        counts.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
+        ui.add_space(8.0);
+        ui.strong(title);
+        rows(ui, title, |ui| {
+            for (name, count) in counts.iter().take(12) {
+                let name = if name.is_empty() { "none" } else { name };
+                row(ui, name, &grouped(*count as u64));
+            }
+        });
+        if counts.len() > 12 {
+            ui.label(format!("… and {} more", counts.len() - 12));
+        }
+    }
+    attach(ui, &scene.schedule.activities, elements, commands);
+}
+
+/// What the schedule says of one activity.
+fn activity_panel(
+    ui: &mut Ui,
+    state: &AppState,
+    project: &Project,
+    index: usize,
+    commands: &mut Vec<Command>,
+) {
+    let schedule = &project.scene.schedule;
+    let Some(activity) = schedule.activities.get(index) else { return };
+    let name = if activity.name.is_empty() { &activity.id } else { &activity.name };
+    ui.add(egui::Label::new(RichText::new(name).heading()).wrap().selectable(true));
+    ui.add_space(4.0);
+    rows(ui, "activity", |ui| {
+        row(ui, "Id", &activity.id);
+        row(ui, "Kind", &schedule.kinds.of(activity.kind).name);
+        row(ui, "WBS", &schedule.wbs_path(activity).join(" › "));
+        if !activity.active {
+            row(ui, "State", "not active");
+        }
+        let done = activity.percent_complete.map(|percent| format!("{percent:.0} %"));
+        row(ui, "Done", &done.unwrap_or_default());
+        row(ui, "Elements", &grouped(project.plan.elements_of(index).len() as u64));
+        let names = activity.calendar.and_then(|c| schedule.calendars.get(c as usize));
+        row(ui, "Calendar", names.map_or("", |c| &c.name));
+    });
+    buttons(ui, state, commands);
+    ui.add_space(8.0);
+    ui.strong("Dates");
+    rows(ui, "dates", |ui| {
+        let mut dates = |ui: &mut Ui, what: &str, start: Option<Time>, end: Option<Time>| {
+            if start.is_none() && end.is_none() {
+                return;
+            }
+            ui.label(RichText::new(what).color(palette(ui).weak));
+            ui.horizontal(|ui| {
+                for (what, time) in [("starts", start), ("ends", end)] {
+                    if let Some(time) = time {
+                        date_link(ui, what, time, palette(ui).accent, commands);
+                    }
+                }
+            });
+            ui.end_row();
+        };
+        dates(ui, "Shown", activity.start, activity.end);
+        for (word, set) in DateSet::WORDS {
+            let of_set = activity.date_sets[set];
+            let mut name = word.to_owned();
+            name[..1].make_ascii_uppercase();
+            dates(ui, &name, of_set.start, of_set.end);
+        }
+    });
+    let waits = activity.predecessors.iter().take(LISTED);
+    if waits.len() > 0 {
+        ui.add_space(8.0);
+        ui.strong("Waits for");
+        for link in waits {
+            let other = &schedule.activities[link.activity as usize];
+            let text = format!("{}  {} {}", link.kind.word(), other.id, other.name);
+            let link_to = ui.link(RichText::new(text).size(SMALL));
+            if link_to.on_hover_text("Select this activity").clicked() {
+                commands.push(Command::SelectActivity(link.activity as usize));
+            }
+        }
+    }
+    if !activity.fields.is_empty() {
+        ui.add_space(8.0);
+        ui.collapsing(format!("Fields ({})", activity.fields.len()), |ui| {
+            for (name, value) in activity.fields.iter().take(PROPERTIES) {
+                ui.label(RichText::new(&**name).size(SMALL).color(palette(ui).weak));
+                let value = RichText::new(&**value).size(SMALL);
+                ui.add(egui::Label::new(value).wrap().selectable(true));
+            }
+        });
+    }
 }
 
 fn row(ui: &mut Ui, name: &str, value: &str) {
@@ -72,8 +212,7 @@ fn element_panel(
     let scene = &project.scene;
     let element = &scene.model.elements[id.index()];
     let behaviour = scene.behaviour(id);
-    let names = [element.label.as_str(), &element.name, "unnamed element"];
-    let name = names.into_iter().find(|n| !n.is_empty()).unwrap_or_default();
+    let name = name_of(scene, id);
     ui.add(egui::Label::new(RichText::new(name).heading()).wrap().selectable(true));
     ui.add_space(4.0);
     rows(ui, "element", |ui| {
@@ -90,19 +229,7 @@ fn element_panel(
         let size = element.bounds.size();
         row(ui, "Size", &format!("{:.2} × {:.2} × {:.2} m", size.x, size.z, size.y));
     });
-    ui.horizontal(|ui| {
-        let button = ui.button("Show").on_hover_text(format!(
-            "Fit the view to this element ({})",
-            keys_of(&Command::FitSelection)
-        ));
-        if button.clicked() {
-            commands.push(Command::FitSelection);
-        }
-        let clear = ui.button("Clear");
-        if clear.on_hover_text(format!("({})", keys_of(&Command::Select(None)))).clicked() {
-            commands.push(Command::Select(None));
-        }
-    });
+    buttons(ui, state, commands);
 
     ui.add_space(8.0);
     let there = if behaviour.at(state.time()) { "present now" } else { "absent now" };
@@ -129,13 +256,13 @@ fn element_panel(
         let detach = egui::Button::new(RichText::new("Detach").size(SMALL)).small();
         let detach = ui.add(detach).accessible_name(format!("Detach {}", activity.id));
         if detach.on_hover_text("No longer link this element to this activity").clicked() {
-            commands.push(Command::Detach(id, index as usize));
+            commands.push(Command::Detach(vec![id], index as usize));
         }
     }
     if activities.len() > LISTED {
         ui.label(format!("… and {} more", activities.len() - LISTED));
     }
-    attach(ui, &scene.schedule.activities, id, commands);
+    attach(ui, &scene.schedule.activities, &[id], commands);
     properties(ui, scene, id);
 }
 
@@ -170,8 +297,13 @@ struct Search {
     found: Vec<usize>,
 }
 
-/// A search for an activity to link the element to.
-fn attach(ui: &mut Ui, activities: &[Activity], element: ElementId, commands: &mut Vec<Command>) {
+/// A search for an activity to link elements to.
+fn attach(
+    ui: &mut Ui,
+    activities: &[Activity],
+    elements: &[ElementId],
+    commands: &mut Vec<Command>,
+) {
     if activities.is_empty() {
         return;
     }
@@ -198,7 +330,7 @@ fn attach(ui: &mut Ui, activities: &[Activity], element: ElementId, commands: &m
         let button = egui::Button::new(RichText::new(format!("{id}  {name}")).size(SMALL));
         let button = ui.add(button.truncate().frame(false));
         if button.accessible_name(format!("Attach to {id}")).clicked() {
-            commands.push(Command::Attach(element, index));
+            commands.push(Command::Attach(elements.to_vec(), index));
             search = Search::default();
             break;
         }
@@ -214,7 +346,8 @@ fn strip(ui: &mut Ui, state: &AppState, behaviour: &Behaviour) {
     let colors = palette(ui);
     let painter = ui.painter_at(place.expand(1.0));
     painter.rect_filled(place, 3.0, colors.well);
-    let x = |time: Time| place.min.x + place.width() * calendar.share(time) as f32;
+    let scale = Scale::of(calendar.period());
+    let x = |time: Time| place.min.x + place.width() * scale.share(time).clamp(0.0, 1.0) as f32;
     for (from, to) in presence(behaviour, calendar.period().start, calendar.period().end) {
         let bar = Rect::from_x_y_ranges(x(from)..=x(to).max(x(from) + 1.0), place.y_range());
         painter.rect_filled(bar.shrink2(egui::vec2(0.0, 3.0)), 2.0, colors.accent);

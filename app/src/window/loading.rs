@@ -1,6 +1,7 @@
 //! Work on named threads: loading a project, building the tree, measuring, asking for files.
 
 use super::calendar::Calendar;
+use super::gantt::Plan;
 use super::reload::Edit;
 use crate::bench::export::Format;
 use crate::project::{self, Request};
@@ -12,7 +13,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
 use topout_scene::pick::Picker;
 use topout_scene::{Aabb, Looks, Progress, Scene};
-use topout_schedule::DateSet;
+use topout_schedule::{DateSet, SCurve};
 
 /// Called by a worker when it has something to show.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -122,6 +123,10 @@ pub struct Project {
     pub picker: Arc<Picker>,
     /// Counts over time.
     pub calendar: Calendar,
+    /// Its activities as rows.
+    pub plan: Plan,
+    /// Planned and actual progress over time.
+    pub progress: SCurve,
     /// What the standard views fit.
     pub focus: Aabb,
     /// Triangles of all elements.
@@ -189,6 +194,8 @@ impl Project {
             slip_looks: slip_looks(&scene),
             picker: Arc::new(Picker::new(&scene)),
             calendar: Calendar::new(&scene.schedule),
+            plan: Plan::new(&scene),
+            progress: SCurve::new(&scene.schedule),
             focus: scene.focus_bounds(),
             triangles: scene.model.triangle_count(),
             linked: linked(&scene),
@@ -206,6 +213,8 @@ impl Project {
             slip_looks: slip_looks(&scene),
             picker: Arc::clone(&self.picker),
             calendar: Calendar::new(&scene.schedule),
+            plan: Plan::new(&scene),
+            progress: SCurve::new(&scene.schedule),
             focus: self.focus,
             triangles: self.triangles,
             linked: linked(&scene),

@@ -3,16 +3,23 @@
 //! Data flows one way: input -> panels(&[`AppState`]) -> [`Command`]s -> [`AppState::apply`] ->
 //! the 3D view. Panels never change anything themselves.
 
+mod browser;
 mod calendar;
 mod camera;
 mod chrome;
+mod clock;
+mod coloring;
 mod command;
+mod finder;
 mod frames;
+mod gantt;
 mod graph;
+mod history;
 mod inspector;
 mod loading;
 mod overlay;
 mod reload;
+mod selection;
 mod shown;
 mod state;
 mod sun;
@@ -20,14 +27,22 @@ mod table;
 mod theme;
 mod timeline;
 mod viewport;
+mod visibility;
 
+pub use browser::{Browse, Grouping};
 pub use calendar::Calendar;
 pub use camera::Camera;
+pub use clock::{Clock, Run, Speed, Step};
 pub use command::{Action, Command, Panel, Shortcut, actions};
 pub use frames::FrameLog;
+pub use gantt::{Filter, Gantt, Plan};
+pub use selection::{Choose, Selected};
+pub use shown::ElementColors;
 pub use state::AppState;
 pub use table::Table;
 pub use theme::Scheme;
+pub use timeline::Scale;
+pub use visibility::{Shown, Visibility};
 
 use crate::project::Request;
 use crate::tree::user_cache;
@@ -147,11 +162,26 @@ impl Window {
         let frame = |x, y| Frame::new().fill(fill).inner_margin(Margin::symmetric(x, y));
         Side::top("bar").frame(frame(8, 4)).show(ui, |ui| chrome::bar(ui, state, commands));
         if state.project.is_some() {
+            if state.panels.gantt {
+                Side::bottom("gantt")
+                    .frame(frame(12, 8))
+                    .resizable(true)
+                    .default_size(240.0)
+                    .size_range(120.0..=800.0)
+                    .show(ui, |ui| gantt::show(ui, state, commands));
+            }
             if state.panels.timeline {
                 Side::bottom("timeline")
                     .frame(frame(12, 8))
                     .resizable(false)
                     .show(ui, |ui| timeline::show(ui, state, commands));
+            }
+            if state.panels.tree {
+                Side::left("tree")
+                    .frame(frame(12, 8))
+                    .default_size(260.0)
+                    .size_range(180.0..=520.0)
+                    .show(ui, |ui| browser::show(ui, state, commands));
             }
             if state.panels.inspector {
                 Side::right("inspector")
@@ -164,6 +194,7 @@ impl Window {
         chrome::diagnostics(ui.ctx(), state, commands);
         chrome::shortcuts(ui.ctx(), state, commands);
         table::show(ui.ctx(), state, commands);
+        finder::show(ui.ctx(), state, commands);
     }
 }
 
@@ -176,6 +207,7 @@ impl eframe::App for Window {
         let ctx = ui.ctx().clone();
         let seconds = ctx.input(|i| i.stable_dt.min(LONGEST_STEP));
         self.state.advance(f64::from(seconds));
+        self.state.refresh();
         let mut commands = command::from_keys(&ctx);
         let dropped = dropped_files(&ctx);
         if !dropped.is_empty() {
@@ -186,6 +218,7 @@ impl eframe::App for Window {
         for command in commands {
             self.state.apply(command);
         }
+        self.state.refresh();
 
         let mut commands = Vec::new();
         CentralPanel::no_frame().show(ui, |ui| {
@@ -208,7 +241,7 @@ impl eframe::App for Window {
             self.state.apply(command);
         }
         self.take_effects(&ctx);
-        if changed || self.state.playing || self.viewport.is_fading() {
+        if changed || self.state.clock.is_playing() || self.viewport.is_fading() {
             // The panels were drawn before the change.
             ctx.request_repaint();
         } else if self.is_busy() {

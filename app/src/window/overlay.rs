@@ -2,13 +2,12 @@
 
 use super::command::{Command, Panel, keys_of};
 use super::loading::Job;
-use super::shown::ElementColors;
 use super::state::{AppState, Tree};
 use super::theme::{SMALL, palette};
+use super::visibility::Shown;
 use egui::{Align2, Frame, Margin, Rect, RichText, Ui};
 use topout_render::{DrawMode, FrameStats};
-use topout_scene::{Hdlod, NamedView, slip_color};
-use topout_schedule::SlipClass;
+use topout_scene::{Hdlod, NamedView};
 
 /// `53 k`, `3.6 M`: at most three figures.
 pub fn short_count(count: u64) -> String {
@@ -31,7 +30,7 @@ pub fn show(ui: &mut Ui, place: Rect, state: &AppState, commands: &mut Vec<Comma
         return;
     }
     corner(ui, inner, Align2::RIGHT_TOP, "views", |ui| views(ui, commands));
-    corner(ui, inner, Align2::LEFT_BOTTOM, "legend", |ui| legend(ui, state));
+    corner(ui, inner, Align2::LEFT_BOTTOM, "legend", |ui| legend(ui, state, commands));
     if state.panels.figures {
         corner(ui, inner, Align2::RIGHT_BOTTOM, "figures", |ui| figures(ui, state, commands));
     }
@@ -55,30 +54,50 @@ fn card(ui: &Ui) -> Frame {
         .inner_margin(Margin::symmetric(8, 4))
 }
 
-/// What the colours of elements mean.
-fn legend(ui: &mut Ui, state: &AppState) {
-    let Some(project) = state.project.as_ref().filter(|_| !state.level_colors) else { return };
-    let rows: Vec<(&str, [u8; 3])> = match state.colors {
-        ElementColors::Own => return,
-        ElementColors::Activity => {
-            project.legend.iter().map(|(name, color)| (name.as_str(), *color)).collect()
-        }
-        ElementColors::Slip => {
-            SlipClass::WORDS.into_iter().map(|(word, class)| (word, slip_color(class))).collect()
-        }
-    };
-    if rows.is_empty() {
+/// Rows of a legend that are listed.
+const LEGEND_ROWS: usize = 16;
+
+/// What the colours of elements mean, and what is hidden.
+fn legend(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    let rows = if state.level_colors { &[][..] } else { state.coloring.legend() };
+    let not_whole = state.visibility.count();
+    let unscheduled = state.visibility.unscheduled != Shown::Whole;
+    if rows.is_empty() && not_whole == 0 && !unscheduled {
         return;
     }
     card(ui).show(ui, |ui| {
         ui.spacing_mut().item_spacing = egui::vec2(6.0, 2.0);
         ui.spacing_mut().interact_size.y = 14.0;
-        for (name, [r, g, b]) in rows {
+        for row in rows.iter().take(LEGEND_ROWS) {
             ui.horizontal(|ui| {
                 let size = egui::vec2(10.0, 10.0);
                 let (place, _) = ui.allocate_exact_size(size, egui::Sense::hover());
+                let [r, g, b] = row.color;
                 ui.painter().rect_filled(place, 2.0, egui::Color32::from_rgb(r, g, b));
-                ui.label(RichText::new(name).size(SMALL));
+                ui.label(RichText::new(&row.name).size(SMALL));
+                let count = short_count(row.elements as u64);
+                ui.label(RichText::new(count).size(SMALL).color(palette(ui).weak));
+            });
+        }
+        if rows.len() > LEGEND_ROWS {
+            let more = format!("… and {} more", rows.len() - LEGEND_ROWS);
+            ui.label(RichText::new(more).size(SMALL).color(palette(ui).weak));
+        }
+        if not_whole > 0 || unscheduled {
+            ui.horizontal(|ui| {
+                let text = match (not_whole, unscheduled) {
+                    (0, _) => "unscheduled elements are muted".to_owned(),
+                    (count, false) => format!("{} hidden or ghosts", short_count(count as u64)),
+                    (count, true) => {
+                        format!("{} hidden or ghosts, unscheduled too", short_count(count as u64))
+                    }
+                };
+                ui.label(RichText::new(text).size(SMALL));
+                let all = Command::ShowAll;
+                let link = ui.link(RichText::new("Show all").size(SMALL));
+                if link.on_hover_text(format!("({})", keys_of(&all))).clicked() {
+                    commands.push(all);
+                }
             });
         }
     });

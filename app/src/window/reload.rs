@@ -16,7 +16,7 @@ use std::time::Instant;
 use topout_scene::hdlod::{self, Restated};
 use topout_scene::link::{Resync, Rules};
 use topout_scene::{Cancelled, Edited, ElementId, Hdlod, Progress, Scene};
-use topout_schedule::Schedule;
+use topout_schedule::{Schedule, TimeRange};
 
 /// What an edit starts from.
 pub struct Base {
@@ -303,23 +303,37 @@ impl AppState {
         }
     }
 
-    /// Attaches an element to an activity by hand, or detaches it, and keeps that in the rules file.
-    pub(super) fn link_by_hand(&mut self, element: ElementId, activity: usize, attach: bool) {
+    /// Moves activities to other dates: scene and tree follow at once.
+    pub(super) fn move_activities(&mut self, moves: Vec<(usize, TimeRange)>) {
+        let Some(base) = self.base() else { return };
+        let (request, stamps) = (base.project.request.clone(), base.project.stamps.clone());
+        let work = move |_: &Progress| {
+            let started = Instant::now();
+            let edited = base.project.scene.with_activity_dates(&moves)?;
+            let edit = Edit::of(base, request, stamps, edited, false, started);
+            let edit = edit.ok_or_else(|| anyhow::anyhow!("the tree belongs to another scene"))?;
+            Ok(Loaded::Edit(Box::new(edit)))
+        };
+        self.start_loading("the dates".to_owned(), work);
+    }
+
+    /// Attaches elements to an activity by hand, or detaches them, and keeps that in the rules file.
+    pub(super) fn link_by_hand(&mut self, elements: &[ElementId], activity: usize, attach: bool) {
         let Some(base) = self.base() else { return };
         let scene = &base.project.scene;
         let Some(activity) = scene.schedule.activities.get(activity) else { return };
-        let element = &scene.model.elements[element.index()];
-        let key = element.guid.as_deref().unwrap_or(&element.name);
-        if key.is_empty() {
-            self.error =
-                Some("This element has neither a name nor a guid to link it by.".to_owned());
-            return;
-        }
         let mut rules = Rules::clone(&scene.rules);
-        if attach {
-            rules.attach(&activity.id, key);
-        } else {
-            rules.detach(&activity.id, key);
+        for element in elements.iter().map(|id| &scene.model.elements[id.index()]) {
+            let key = element.guid.as_deref().unwrap_or(&element.name);
+            if key.is_empty() {
+                let what = if elements.len() == 1 { "This element" } else { "One of the elements" };
+                self.error = Some(format!("{what} has neither a name nor a guid to link it by."));
+                return;
+            }
+            match attach {
+                true => rules.attach(&activity.id, key),
+                false => rules.detach(&activity.id, key),
+            }
         }
         let mut request = base.project.request.clone();
         let kept = keep_rules(&mut request, &rules);

@@ -1,8 +1,16 @@
 //! What of the window and of the scene's colours is shown: plain values.
 
 /// Which panels are unfolded.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Panels {
+    /// See [`super::command::Panel`].
+    pub gantt: bool,
+    /// See [`super::command::Panel`].
+    pub tree: bool,
+    /// See [`super::command::Panel`].
+    pub curves: bool,
+    /// See [`super::command::Panel`].
+    pub palette: bool,
     /// See [`super::command::Panel`].
     pub inspector: bool,
     /// See [`super::command::Panel`].
@@ -24,6 +32,10 @@ pub struct Panels {
 impl Default for Panels {
     fn default() -> Self {
         Self {
+            gantt: false,
+            tree: false,
+            curves: true,
+            palette: false,
             inspector: true,
             timeline: true,
             figures: true,
@@ -37,7 +49,7 @@ impl Default for Panels {
 }
 
 /// Which colours elements have.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub enum ElementColors {
     /// Those of the model.
     Own,
@@ -45,4 +57,8 @@ pub enum ElementColors {
     Activity,
     /// How much earlier or later their activities are than planned.
     Slip,
+    /// Their storeys.
+    Storey,
+    /// Their types.
+    Type,
 }

@@ -30,6 +30,8 @@ pub struct Palette {
     pub accent: Color32,
     /// Where in time the picture is.
     pub cursor: Color32,
+    /// Up to where in time actual dates are known.
+    pub data_date: Color32,
     /// Behind the panels.
     pub panel: Color32,
     /// Behind the 3D view while nothing is loaded, and behind strips.
@@ -53,6 +55,7 @@ pub struct Palette {
 const DARK: Palette = Palette {
     accent: Color32::from_rgb(0x5B, 0x9D, 0xFF),
     cursor: Color32::from_rgb(0xFF, 0x5A, 0x52),
+    data_date: Color32::from_rgb(0x38, 0xBD, 0xF8),
     panel: Color32::from_rgb(0x1F, 0x22, 0x27),
     well: Color32::from_rgb(0x16, 0x18, 0x1C),
     text: Color32::from_rgb(0xC9, 0xCE, 0xD6),
@@ -67,6 +70,7 @@ const DARK: Palette = Palette {
 const LIGHT: Palette = Palette {
     accent: Color32::from_rgb(0x1F, 0x66, 0xD6),
     cursor: Color32::from_rgb(0xD9, 0x2D, 0x25),
+    data_date: Color32::from_rgb(0x02, 0x84, 0xC7),
     panel: Color32::from_rgb(0xF7, 0xF7, 0xF5),
     well: Color32::from_rgb(0xE9, 0xEA, 0xEA),
     text: Color32::from_rgb(0x34, 0x39, 0x40),

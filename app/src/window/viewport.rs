@@ -4,17 +4,18 @@
 //! same whatever the window's format is, and nothing is drawn again until something changes.
 
 use super::camera::Camera;
-use super::command::Command;
-use super::shown::ElementColors;
+use super::command::{Command, actions};
+use super::selection::Choose;
 use super::state::{AppState, Tree};
 use super::theme::palette;
+use super::visibility::Shown;
 use egui::{Color32, PointerButton, Pos2, Rect, Sense, Stroke, TextureId, Ui};
 use egui_wgpu::RenderState;
 use glam::{UVec2, Vec2, Vec3};
 use std::sync::Arc;
 use std::time::Duration;
 use topout_render::{FrameInput, Gpu, GpuError, Options, Renderer};
-use topout_scene::{Aabb, ElementId, Hdlod, Looks, Scene, hdlod};
+use topout_scene::{Aabb, Category, ElementId, Hdlod, Looks, Scene, hdlod};
 
 /// For how long levels that follow each other share the pixels, where they do.
 const FADE: Duration = Duration::from_millis(200);
@@ -43,8 +44,8 @@ pub struct Viewport {
     shaders: (topout_render::ShaderFolder, std::time::Instant),
 }
 
-/// The selected element and the colour of the line around it.
-type Marked = Option<(ElementId, [u8; 3])>;
+/// The selected elements and the colour of the line around them.
+type Marked = (Vec<ElementId>, [u8; 3]);
 
 /// A drag: what was under the pointer when the button went down.
 #[derive(Clone, Copy)]
@@ -62,6 +63,8 @@ struct Gesture {
 enum Kind {
     Orbit,
     Pan,
+    /// Select what is within a rectangle.
+    Frame,
 }
 
 impl Viewport {
@@ -126,7 +129,7 @@ impl Viewport {
         #[cfg(debug_assertions)]
         self.reload_shaders(ui, state);
         let [r, g, b, _] = palette(ui).accent.to_array();
-        self.draw(state, state.selected.map(|element| (element, [r, g, b])));
+        self.draw(state, [r, g, b]);
         if let Some((texture, _)) = self.texture {
             let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
             ui.painter().image(texture, place, whole, Color32::WHITE);
@@ -143,13 +146,17 @@ impl Viewport {
         pixel: &dyn Fn(Pos2) -> Vec2,
     ) -> Vec<Command> {
         let mut commands = Vec::new();
-        let (origin, now, shift) =
-            ui.input(|i| (i.pointer.press_origin(), i.pointer.latest_pos(), i.modifiers.shift));
+        let (origin, now, modifiers) =
+            ui.input(|i| (i.pointer.press_origin(), i.pointer.latest_pos(), i.modifiers));
         if response.drag_started()
             && let Some(origin) = origin
         {
-            let pan = shift || !response.drag_started_by(PointerButton::Primary);
-            let kind = if pan { Kind::Pan } else { Kind::Orbit };
+            let primary = response.drag_started_by(PointerButton::Primary);
+            let kind = match (primary, modifiers.command, modifiers.shift) {
+                (true, true, _) => Kind::Frame,
+                (true, false, false) => Kind::Orbit,
+                _ => Kind::Pan,
+            };
             let from = pixel(origin);
             let fallback = match (kind, &state.project) {
                 (Kind::Orbit, Some(project)) if !project.focus.is_empty() => project.focus.center(),
@@ -168,18 +175,36 @@ impl Viewport {
                 Kind::Pan => {
                     gesture.camera.pan(gesture.point, gesture.from, pixel(now), state.picture)
                 }
+                Kind::Frame => state.camera,
             };
             commands.push(Command::MoveCamera(camera));
         }
-        if response.drag_stopped() {
-            self.gesture = None;
+        if response.drag_stopped()
+            && let Some(gesture) = self.gesture.take()
+            && let (Kind::Frame, Some(now)) = (gesture.kind, now)
+        {
+            let found = state.within(gesture.from, pixel(now));
+            let how = if modifiers.shift { Choose::Add } else { Choose::Only };
+            commands.push(Command::Choose(how, found));
         }
         if response.clicked()
             && let Some(at) = response.interact_pointer_pos()
         {
-            commands.push(Command::Select(state.pick(pixel(at)).map(|(element, _)| element)));
+            commands.extend(match (state.pick(pixel(at)), Choose::by(modifiers)) {
+                (Some((element, _)), how) => Some(Command::Choose(how, vec![element])),
+                (None, Choose::Only) => Some(Command::ClearSelection),
+                (None, _) => None,
+            });
         }
-        let factor = wheel_factor(ui);
+        if response.secondary_clicked()
+            && let Some(at) = response.interact_pointer_pos()
+            && let Some((element, _)) = state.pick(pixel(at))
+            && !state.selected.contains(element)
+        {
+            commands.push(Command::Choose(Choose::Only, vec![element]));
+        }
+        response.context_menu(|ui| context_menu(ui, state, &mut commands));
+        let factor = ZOOM_PER_NOTCH.powf(wheel_notches(ui).y);
         if let (Some(hover), true) = (response.hover_pos(), factor != 1.0) {
             let at = pixel(hover);
             let point = match state.pick(at) {
@@ -238,13 +263,8 @@ impl Viewport {
 
     /// Gives elements the looks that are wanted now.
     fn take_looks(&mut self, state: &AppState) -> Option<Command> {
-        let project = state.project.as_ref()?;
-        let wanted = match state.colors {
-            _ if self.level_colors => None,
-            ElementColors::Own => None,
-            ElementColors::Activity => Some(Arc::clone(&project.looks)),
-            ElementColors::Slip => project.slip_looks.clone(),
-        };
+        state.project.as_ref()?;
+        let wanted = state.coloring.looks().filter(|_| !self.level_colors).cloned();
         if wanted.as_ref().map(Arc::as_ptr) == self.looks.as_ref().map(Arc::as_ptr) {
             return None;
         }
@@ -299,7 +319,7 @@ impl Viewport {
     }
 
     /// Renders if the picture would differ from the last one.
-    fn draw(&mut self, state: &mut AppState, marked: Marked) {
+    fn draw(&mut self, state: &mut AppState, color: [u8; 3]) {
         let input = FrameInput {
             view: state.camera.view(state.picture, state.tolerance_px),
             time: state.time(),
@@ -308,15 +328,16 @@ impl Viewport {
         state.frames.add_gpu_times(&self.renderer.take_gpu_times());
         let fade = if state.fade { FADE } else { Duration::ZERO };
         let options = Options { sun: state.sun, fade, ..self.renderer.options() };
-        let same = self.drawn == Some((input, marked)) && options == self.renderer.options();
-        if same && !self.fading {
+        let elements = state.selected.elements();
+        let same = self.drawn.as_ref().is_some_and(|(drawn, marked)| {
+            *drawn == input && marked.0 == elements && marked.1 == color
+        });
+        if same && options == self.renderer.options() && !self.fading {
             return;
         }
         self.renderer.set_options(options);
-        match marked {
-            Some((element, color)) => self.renderer.set_selection(&[element], color),
-            None => self.renderer.set_selection(&[], [0; 3]),
-        }
+        self.renderer.set_selection(elements, color);
+        let marked = (elements.to_vec(), color);
         let stats = self.renderer.render(&input);
         state.frames.show(stats, self.renderer.has_timestamps());
         self.fading = stats.fading > 0;
@@ -342,8 +363,9 @@ impl Viewport {
         let painter = ui.painter().with_clip_rect(place);
         let pixels_per_point = ui.ctx().pixels_per_point();
         let position = |p: Vec2| place.min + egui::vec2(p.x, p.y) / pixels_per_point;
-        if let (Some(project), Some(element)) = (&state.project, state.selected)
-            && !project.scene.behaviour(element).at(state.time())
+        if let (Some(project), Some(element)) = (&state.project, state.selected.only())
+            && !(project.scene.behaviour(element).at(state.time())
+                && state.shown(element) != Shown::Hidden)
         {
             let bounds = &project.scene.model.elements[element.index()].bounds;
             let color = palette(ui).accent.gamma_multiply(0.45);
@@ -354,6 +376,14 @@ impl Viewport {
                 }
             }
         }
+        if let (Some(Gesture { kind: Kind::Frame, from, .. }), Some(to)) =
+            (self.gesture, ui.input(|i| i.pointer.latest_pos()))
+        {
+            let color = palette(ui).accent;
+            let frame = Rect::from_two_pos(position(from), to);
+            painter.rect_filled(frame, 0.0, color.gamma_multiply(0.12));
+            painter.rect_stroke(frame, 0.0, Stroke::new(1.0, color), egui::StrokeKind::Inside);
+        }
         if let Some(Gesture { kind: Kind::Orbit, point, .. }) = self.gesture
             && let Some(at) = state.camera.project(point, state.picture)
         {
@@ -363,20 +393,54 @@ impl Viewport {
     }
 }
 
-/// What the wheel and pinching ask for since the last frame: below 1 is nearer.
-fn wheel_factor(ui: &Ui) -> f32 {
+/// What can be done with the selection.
+fn context_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    let wanted = [
+        Command::FitSelection,
+        Command::DrawSelection(Shown::Hidden),
+        Command::DrawSelection(Shown::Ghost),
+        Command::Isolate(Shown::Hidden),
+        Command::Isolate(Shown::Ghost),
+        Command::ShowAll,
+        Command::ClearSelection,
+    ];
+    for action in actions().into_iter().filter(|action| wanted.contains(&action.command)) {
+        let keys = action.shortcut.map(|s| s.text()).unwrap_or_default();
+        let button = egui::Button::new(action.name).shortcut_text(keys);
+        let enabled = super::chrome::is_enabled(state, &action.command);
+        if ui.add_enabled(enabled, button).clicked() {
+            commands.push(action.command);
+        }
+    }
+    let (Some(project), Some(last)) = (&state.project, state.selected.last()) else { return };
+    ui.separator();
+    let (scene, element) = (&project.scene, &project.scene.model.elements[last.index()]);
+    for (category, name) in [(Category::Storey, &element.storey), (Category::Type, &element.kind)] {
+        if !name.is_empty() && ui.button(format!("Select all of {name}")).clicked() {
+            let all = (0..scene.model.elements.len() as u32).map(ElementId);
+            let alike = all.filter(|id| category.of(scene, *id) == name).collect();
+            commands.push(Command::Choose(Choose::Only, alike));
+        }
+    }
+}
+
+/// How far wheel and pinching have turned since the last frame, in notches of a mouse wheel; y away from
+/// the user asks to come nearer.
+pub(super) fn wheel_notches(ui: &Ui) -> egui::Vec2 {
     ui.input(|input| {
-        input.events.iter().fold(1.0, |factor, event| match event {
+        input.events.iter().fold(egui::Vec2::ZERO, |notches, event| match event {
             egui::Event::MouseWheel { unit, delta, .. } => {
-                let notches = match unit {
-                    egui::MouseWheelUnit::Line => delta.y,
-                    egui::MouseWheelUnit::Point => delta.y / POINTS_PER_NOTCH,
-                    egui::MouseWheelUnit::Page => delta.y * 5.0,
+                let scale = match unit {
+                    egui::MouseWheelUnit::Line => 1.0,
+                    egui::MouseWheelUnit::Point => 1.0 / POINTS_PER_NOTCH,
+                    egui::MouseWheelUnit::Page => 5.0,
                 };
-                factor * ZOOM_PER_NOTCH.powf(notches)
+                notches + *delta * scale
             }
-            egui::Event::Zoom(zoom) if *zoom > 0.0 => factor / zoom,
-            _ => factor,
+            egui::Event::Zoom(zoom) if *zoom > 0.0 => {
+                notches + egui::vec2(0.0, -zoom.ln() / ZOOM_PER_NOTCH.ln())
+            }
+            _ => notches,
         })
     })
 }

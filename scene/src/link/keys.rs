@@ -253,7 +253,7 @@ fn is_storey(kind: &str) -> bool {
 }
 
 /// Whether a property's values are layers: by the last part of its key.
-fn names_a_layer(key: &str) -> bool {
+pub(crate) fn names_a_layer(key: &str) -> bool {
     let last = key.rsplit('.').next().unwrap_or(key).to_ascii_lowercase();
     let words = [
         "layer",

@@ -11,6 +11,7 @@ pub mod suggest;
 mod tests;
 
 pub(crate) use apply::Linked;
+pub(crate) use keys::names_a_layer;
 pub use resync::{Moved, Resync};
 pub use rules::Rules;
 pub use rules_read::RulesError;

@@ -3,7 +3,7 @@
 
 use super::*;
 use crate::project::Source;
-use crate::window::Command;
+use crate::window::{Choose, Command};
 use std::collections::HashSet;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -108,8 +108,8 @@ fn moved_activities_show_at_once_and_are_refined_later() {
     let mut files = Files::new();
     let mut state = files.open(None);
     state.apply(Command::JumpTo(files.schedule.period.at_fraction(0.4)));
-    let element = Some(ElementId(7));
-    state.apply(Command::Select(element));
+    let element = ElementId(7);
+    state.apply(Command::Choose(Choose::Only, vec![element]));
     let (camera, time) = (state.camera, state.time());
     let before = Arc::clone(state.ready_tree().unwrap());
 
@@ -134,7 +134,8 @@ fn moved_activities_show_at_once_and_are_refined_later() {
     files.check(&state);
     assert!(state.news.as_ref().unwrap().contains("refined in"), "{:?}", state.news);
     assert_eq!(state.tree_origin, Some("refined after an edit"));
-    assert_eq!((state.camera, state.time(), state.selected), (camera, time, element));
+    assert_eq!((state.camera, state.time()), (camera, time));
+    assert_eq!(state.selected.only(), Some(element));
 }
 
 #[test]
@@ -272,11 +273,11 @@ fn links_by_hand_are_kept_in_a_file() {
     });
     let element = loose.expect("the demo has neighbours");
     let linked = |state: &AppState| scene(state).activities_of(element).to_vec();
-    state.selected = Some(element);
-    state.apply(Command::Attach(element, 3));
+    state.apply(Command::Choose(Choose::Only, vec![element]));
+    state.apply(Command::Attach(vec![element], 3));
     settle(&mut state);
     assert_eq!(state.error, None);
-    assert_eq!((linked(&state), state.selected), (vec![3], Some(element)));
+    assert_eq!((linked(&state), state.selected.only()), (vec![3], Some(element)));
     assert!(state.news.as_ref().unwrap().contains("1 element "), "{:?}", state.news);
     let kept = files.path("plan.rules.json");
     assert_eq!(state.project.as_ref().unwrap().request.rules.as_ref(), Some(&kept));
@@ -290,14 +291,14 @@ fn links_by_hand_are_kept_in_a_file() {
     for e in (0..before.model.elements.len() as u32).map(topout_scene::ElementId) {
         assert_eq!(read.behaviour(e), scene(&state).behaviour(e));
     }
-    state.apply(Command::Detach(element, 3));
+    state.apply(Command::Detach(vec![element], 3));
     settle(&mut state);
     assert!(linked(&state).is_empty());
     assert_eq!(scene(&state).behaviour(element), before.behaviour(element));
 
     // A file that is there is not written over before it was opened.
     let mut other = files.open(None);
-    other.apply(Command::Attach(element, 5));
+    other.apply(Command::Attach(vec![element], 5));
     settle(&mut other);
     assert_eq!(linked(&other), [5], "it holds all the same");
     assert!(other.error.as_ref().unwrap().contains("plan.rules.json"), "{:?}", other.error);

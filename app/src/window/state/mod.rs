@@ -1,16 +1,25 @@
 //! What the window shows, and the one place that changes it.
 
-use super::calendar::{Calendar, DAY};
+mod files;
+
+use super::browser::Browser;
+use super::calendar::Calendar;
 use super::camera::Camera;
+use super::clock::{Clock, Run};
+use super::coloring::Coloring;
 use super::command::{Command, Panel};
 use super::frames::FrameLog;
-use super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, Stamp, Wake, ask, save};
+use super::gantt::Gantt;
+use super::history::{Change, History};
+use super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, Stamp, Wake};
 use super::reload::{Refining, TreeChange};
+use super::selection::{Choose, Selected};
 use super::shown::{ElementColors, Panels};
 use super::table::Table;
 use super::theme::Scheme;
-use crate::bench::export::Format;
-use crate::project::{self, Request, Source};
+use super::timeline::Scale;
+use super::visibility::{Shown, Visibility};
+use crate::project::{self, Request};
 use crate::report::describe;
 use crate::tree::Baked;
 use glam::{UVec2, Vec3};
@@ -19,11 +28,8 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use topout_render::{DrawMode, Sun};
 use topout_scene::cache::Cache;
-use topout_scene::{Cancelled, ElementId, Hdlod, NamedView, Scene, hdlod};
+use topout_scene::{Aabb, Cancelled, ElementId, Hdlod, NamedView, Scene, hdlod};
 use topout_schedule::{Time, TimeRange};
-
-/// Speeds that are offered, days a second.
-pub const SPEEDS: [u32; 7] = [1, 2, 7, 14, 30, 60, 120];
 
 /// Tolerances that can be set, physical pixels.
 pub const TOLERANCE: std::ops::RangeInclusive<f32> = 0.25..=32.0;
@@ -98,12 +104,14 @@ pub struct AppState {
     /// What happened last to the schedule, or to a file that was saved.
     pub news: Option<String>,
 
-    /// Seconds since 1970-01-01T00:00:00, with the fraction that playing needs.
-    clock: f64,
-    /// Whether time runs.
-    pub playing: bool,
-    /// Days a second.
-    pub speed: u32,
+    /// The shown date, and how it runs.
+    pub clock: Clock,
+    /// The part of time that the timeline shows.
+    pub scale: Scale,
+    /// The rows of the Gantt chart.
+    pub gantt: Gantt,
+    /// The model tree.
+    pub browser: Browser,
 
     /// Where one looks from.
     pub camera: Camera,
@@ -119,14 +127,18 @@ pub struct AppState {
     pub level_colors: bool,
     /// Which colours elements have.
     pub colors: ElementColors,
-    /// Playing leaves out when nobody works.
-    pub skip_idle: bool,
+    /// What is hidden, or a ghost.
+    pub visibility: Visibility,
+    /// What can be taken back.
+    pub history: History,
+    /// The looks that follow from these.
+    pub coloring: Coloring,
     /// Where the light comes from.
     pub sun: Sun,
     /// Whether levels fade into each other.
     pub fade: bool,
-    /// The selected element.
-    pub selected: Option<ElementId>,
+    /// What is selected.
+    pub selected: Selected,
 
     /// Figures of the last frames.
     pub frames: FrameLog,
@@ -159,9 +171,10 @@ impl AppState {
             waiting_schedules: Vec::new(),
             error: None,
             news: None,
-            clock: 0.0,
-            playing: false,
-            speed: 30,
+            clock: Clock::default(),
+            scale: Scale::default(),
+            gantt: Gantt::default(),
+            browser: Browser::default(),
             camera: Camera::fit_named(&Default::default(), NamedView::Iso, picture),
             picture,
             fitted: true,
@@ -169,10 +182,12 @@ impl AppState {
             tolerance_px: 1.0,
             level_colors: false,
             colors: ElementColors::Activity,
-            skip_idle: false,
+            visibility: Visibility::default(),
+            history: History::default(),
+            coloring: Coloring::default(),
             sun: Sun::Fixed,
             fade: false,
-            selected: None,
+            selected: Selected::default(),
             frames: FrameLog::default(),
             panels: Panels::default(),
             scheme: Scheme::default(),
@@ -183,7 +198,7 @@ impl AppState {
 
     /// The shown date.
     pub fn time(&self) -> Time {
-        Time::from_seconds(self.clock.floor() as i64)
+        self.clock.time()
     }
 
     /// The period that the timeline spans.
@@ -224,28 +239,37 @@ impl AppState {
             Command::DismissError => self.error = None,
             Command::Quit => self.effects.push(Effect::Close),
 
-            Command::TogglePlay => self.toggle_play(),
-            Command::ToggleSkipIdle => self.skip_idle = !self.skip_idle,
-            Command::StepDays(days) => {
-                self.playing = false;
-                self.set_clock(self.clock + (days * DAY) as f64);
+            Command::TogglePlay => self.clock.toggle(),
+            Command::PlayForward => self.clock.play(Run::Forward, true),
+            Command::PlayBackward => self.clock.play(Run::Backward, true),
+            Command::Pause => self.clock.pause(),
+            Command::Stop => self.clock.stop(),
+            Command::ToggleSkipIdle => self.clock.skip_idle = !self.clock.skip_idle,
+            Command::Step(step) => {
+                if let Some(project) = &self.project {
+                    self.clock.step(step, &project.calendar);
+                    self.follow_clock();
+                }
             }
-            Command::JumpTo(time) => self.set_clock(time.seconds() as f64),
-            Command::ToStart => self.set_clock(self.period().start.seconds() as f64),
+            Command::JumpTo(time) => self.clock.jump(time),
+            Command::ToStart => {
+                self.clock.jump(self.period().start);
+                self.follow_clock();
+            }
             Command::ToEnd => {
-                self.playing = false;
-                self.set_clock(self.period().end.seconds() as f64);
+                self.clock.pause();
+                self.clock.jump(self.period().end);
+                self.follow_clock();
             }
-            Command::SetSpeed(days) => self.speed = days.max(1),
-            Command::Faster => {
-                let next = SPEEDS.iter().find(|s| **s > self.speed);
-                self.speed = next.copied().unwrap_or(self.speed);
-            }
-            Command::Slower => {
-                let next = SPEEDS.iter().rev().find(|s| **s < self.speed);
-                self.speed = next.copied().unwrap_or(self.speed);
-            }
+            Command::SetSpeed(speed) => self.clock.speed = speed,
+            Command::Faster => self.clock.change_speed(true),
+            Command::Slower => self.clock.change_speed(false),
+            Command::SetLoop(range) => self.clock.set_loop(range),
+            Command::LoopShown => self.clock.set_loop(Some(self.scale.range())),
+            Command::ShowTime(scale) => self.scale = scale.within(self.period()),
+            Command::FitTimeline => self.scale = Scale::of(self.period()),
 
+            Command::SetMode(mode) if mode == self.mode => {}
             Command::SetMode(mode) => {
                 self.mode = mode;
                 self.frames.clear();
@@ -256,8 +280,10 @@ impl AppState {
                     self.frames.clear();
                 }
             }
-            Command::ToggleActivityColors => self.toggle_colors(ElementColors::Activity),
-            Command::ToggleSlipColors => self.toggle_colors(ElementColors::Slip),
+            Command::ColorBy(wanted) => {
+                let off = self.colors == wanted;
+                self.colors = if off { ElementColors::Own } else { wanted };
+            }
             Command::ToggleLevelColors => self.level_colors = !self.level_colors,
             Command::ToggleFade => self.fade = !self.fade,
             Command::SetSun(sun) => self.sun = sun,
@@ -274,9 +300,40 @@ impl AppState {
             Command::FitSelection => self.fit_selection(),
             Command::LookFrom(named) => self.look_from(named),
             Command::MoveCamera(camera) => self.move_camera(camera),
-            Command::Select(element) => self.selected = element,
-            Command::Attach(element, activity) => self.link_by_hand(element, activity, true),
-            Command::Detach(element, activity) => self.link_by_hand(element, activity, false),
+            Command::Choose(how, elements) => self.choose(how, elements),
+            Command::ClearSelection => self.selected = Selected::default(),
+            Command::SelectActivity(activity) => self.select_activity(activity),
+            Command::SelectSummary(summary) => self.select_summary(summary),
+            Command::Draw(shown, elements) => {
+                let mut next = self.visibility.clone();
+                next.set(&elements, shown);
+                self.set_visibility(next);
+            }
+            Command::DrawSelection(shown) => {
+                let mut next = self.visibility.clone();
+                next.set(self.selected.elements(), shown);
+                self.set_visibility(next);
+            }
+            Command::Isolate(others) => self.isolate(others),
+            Command::ShowAll => self.set_visibility(Visibility::default()),
+            Command::DrawUnscheduled(unscheduled) => {
+                let mut next = self.visibility.clone();
+                next.unscheduled = unscheduled;
+                self.set_visibility(next);
+            }
+            Command::MoveActivity(activity, dates) => self.move_activity(activity, dates),
+            Command::Undo => self.step_history(true),
+            Command::Redo => self.step_history(false),
+            Command::Browse(wanted) => self.browser.wanted = *wanted,
+            Command::SetFilter(filter) => self.gantt.filter = *filter,
+            Command::Fold(node, folded) => self.gantt.fold(node, folded),
+            Command::FoldAll(folded) => {
+                if let Some(project) = &self.project {
+                    self.gantt.fold_all(&project.plan, folded);
+                }
+            }
+            Command::Attach(elements, activity) => self.link_by_hand(&elements, activity, true),
+            Command::Detach(elements, activity) => self.link_by_hand(&elements, activity, false),
 
             Command::Toggle(panel) => {
                 let open = self.panel_mut(panel);
@@ -307,31 +364,105 @@ impl AppState {
         }
     }
 
-    fn toggle_colors(&mut self, wanted: ElementColors) {
-        let off = self.colors == wanted;
-        self.colors = if off { ElementColors::Own } else { wanted };
+    /// Selects elements; the Gantt chart comes to the first activity of the last one.
+    fn choose(&mut self, how: Choose, elements: Vec<ElementId>) {
+        self.selected.choose(how, elements);
+        if let (Some(project), Some(last)) = (&self.project, self.selected.last())
+            && let Some(&activity) = project.scene.activities_of(last).first()
+        {
+            self.gantt.reveal(&project.plan, &project.scene.schedule, activity as usize);
+        }
     }
 
-    /// Goes on to when somebody works, if nights and days off are left out.
-    fn skip_to_work(&mut self) {
-        let Some(project) = self.project.as_ref().filter(|_| self.skip_idle) else { return };
-        let Some(calendar) = project.scene.schedule.work_calendar() else { return };
-        match calendar.next_work(self.time()) {
-            Some(next) if next > self.time() => self.set_clock(next.seconds() as f64),
-            Some(_) => {}
-            None => self.set_clock(self.period().end.seconds() as f64),
+    /// Selects the elements of an activity.
+    fn select_activity(&mut self, activity: usize) {
+        let Some(project) = &self.project else { return };
+        self.selected.choose_activity(activity, project.plan.elements_of(activity).to_vec());
+    }
+
+    /// Selects the elements of all activities below a summary.
+    fn select_summary(&mut self, summary: u32) {
+        let Some(project) = &self.project else { return };
+        let elements = project.plan.below(summary).flat_map(|a| project.plan.elements_of(a));
+        self.selected.choose(Choose::Only, elements.copied().collect());
+    }
+
+    /// Draws everything but the selection in another way.
+    fn isolate(&mut self, others: Shown) {
+        if let Some(project) = &self.project
+            && !self.selected.elements().is_empty()
+        {
+            let count = project.scene.model.elements.len();
+            let mut next = self.visibility.clone();
+            next.isolate(count, self.selected.elements(), others);
+            self.set_visibility(next);
         }
+    }
+
+    fn set_visibility(&mut self, next: Visibility) {
+        if next != self.visibility {
+            let before = std::mem::replace(&mut self.visibility, next);
+            self.history.push(Change::Visibility(before));
+        }
+    }
+
+    /// Moves an activity, and what its links make follow; that can be taken back.
+    fn move_activity(&mut self, activity: usize, dates: TimeRange) {
+        let Some(project) = &self.project else { return };
+        let moves = vec![(activity, dates)];
+        let before = dates_of(project, &moves);
+        if before.len() == moves.len() {
+            self.history.push(Change::Dates(before));
+            self.move_activities(moves);
+        }
+    }
+
+    fn step_history(&mut self, back: bool) {
+        let (project, visibility) = (self.project.clone(), &self.visibility);
+        let now = |change: &Change| match change {
+            Change::Visibility(_) => Change::Visibility(visibility.clone()),
+            Change::Dates(moves) => {
+                let dates = project.as_ref().map(|project| dates_of(project, moves));
+                Change::Dates(dates.unwrap_or_default())
+            }
+        };
+        match self.history.step(back, now) {
+            None => {}
+            Some(Change::Visibility(visibility)) => self.visibility = visibility,
+            Some(Change::Dates(moves)) => self.move_activities(moves),
+        }
+    }
+
+    /// Whether the user wants to see an element at all, and how.
+    pub fn shown(&self, element: ElementId) -> Shown {
+        let scene = self.project.as_ref().map(|p| &p.scene);
+        scene.map_or(Shown::Whole, |scene| self.visibility.of(scene, element))
     }
 
     /// Lets time run on by `seconds` of the user's time.
     pub fn advance(&mut self, seconds: f64) {
-        if !self.playing {
+        if !self.clock.is_playing() {
             return;
         }
-        self.set_clock(self.clock + seconds * f64::from(self.speed) * DAY as f64);
-        self.skip_to_work();
-        if self.time() >= self.period().end {
-            self.playing = false;
+        let work = self.project.as_ref().and_then(|p| p.scene.schedule.work_calendar());
+        self.clock.advance(seconds, work);
+        self.follow_clock();
+    }
+
+    /// Turns the timeline's page to the shown date.
+    fn follow_clock(&mut self) {
+        self.scale = self.scale.following(self.time(), self.period());
+    }
+
+    /// Works out what is shown of all this, where it has changed: once before each frame.
+    pub fn refresh(&mut self) {
+        let time = self.time();
+        self.coloring.refresh(self.project.as_ref(), self.colors, &self.visibility, time);
+        if let Some(project) = &self.project {
+            self.gantt.refresh(project, time);
+            if self.panels.tree {
+                self.browser.refresh(project);
+            }
         }
     }
 
@@ -421,16 +552,59 @@ impl AppState {
     pub fn pick(&self, pixel: glam::Vec2) -> Option<(ElementId, Vec3)> {
         let project = self.project.as_ref()?;
         let direction = self.camera.ray(pixel, self.picture);
-        let hit = project.picker.pick(&project.scene, self.camera.eye, direction, self.time())?;
+        let (scene, eye, time) = (&project.scene, self.camera.eye, self.time());
+        let whole = |id| self.visibility.of(scene, id) == Shown::Whole;
+        let hit = project.picker.pick_among(scene, eye, direction, time, whole)?;
         Some((hit.element, hit.point))
+    }
+
+    /// The present elements within a rectangle of the picture, given by two corners in the order in which
+    /// it was drawn: from left to right those that lie in it wholly, from right to left all that it touches.
+    pub fn within(&self, from: glam::Vec2, to: glam::Vec2) -> Vec<ElementId> {
+        let Some(project) = &self.project else { return Vec::new() };
+        let (min, max) = (from.min(to), from.max(to));
+        let wholly = from.x <= to.x;
+        let found = |id: ElementId| {
+            let bounds = &project.scene.model.elements[id.index()].bounds;
+            if bounds.is_empty()
+                || !project.scene.behaviour(id).at(self.time())
+                || self.shown(id) != Shown::Whole
+            {
+                return false;
+            }
+            let corners = bounds.corners().map(|c| self.camera.project(c, self.picture));
+            let seen = corners.iter().flatten();
+            let (low, high) = seen
+                .clone()
+                .fold((glam::Vec2::INFINITY, glam::Vec2::NEG_INFINITY), |(low, high), at| {
+                    (low.min(*at), high.max(*at))
+                });
+            match wholly {
+                true => {
+                    seen.count() == corners.len() && low.cmpge(min).all() && high.cmple(max).all()
+                }
+                false => low.cmple(max).all() && high.cmpge(min).all(),
+            }
+        };
+        (0..project.scene.model.elements.len() as u32)
+            .map(ElementId)
+            .filter(|id| found(*id))
+            .collect()
     }
 
     fn show(&mut self, project: Project) {
         let same_models =
             self.project.as_ref().is_some_and(|p| p.request.models == project.request.models);
-        self.project = Some(Arc::new(project));
-        self.selected = None;
-        self.playing = false;
+        let project = Arc::new(project);
+        self.project = Some(Arc::clone(&project));
+        self.selected = Selected::default();
+        self.clock.pause();
+        self.history.forget_dates();
+        if !same_models {
+            self.visibility = Visibility::default();
+            self.history = History::default();
+        }
+        self.gantt = Gantt::of(&project);
         self.error = None;
         self.news = None;
         self.refining = None;
@@ -438,9 +612,10 @@ impl AppState {
         self.frames.clear();
         self.table.reset();
         self.watch();
-        if same_models {
-            self.hold_clock();
-        } else {
+        self.hold_clock();
+        if !same_models {
+            self.clock.set_loop(None);
+            self.apply(Command::FitTimeline);
             self.apply(Command::ToEnd);
             self.look_from(NamedView::Iso);
         }
@@ -449,7 +624,8 @@ impl AppState {
 
     /// Keeps the date within the period.
     pub(super) fn hold_clock(&mut self) {
-        self.set_clock(self.clock);
+        self.clock.set_period(self.period());
+        self.scale = self.scale.within(self.period());
     }
 
     pub(super) fn build_tree(&mut self) {
@@ -480,127 +656,6 @@ impl AppState {
         }
     }
 
-    pub(super) fn load(&mut self, request: Request) {
-        let names: Vec<String> = request.models.iter().map(name_of).collect();
-        self.start_loading(names.join(", "), move |progress| {
-            Ok(Loaded::Project(Box::new(Project::load(request, progress)?)))
-        });
-    }
-
-    /// Loads on a thread of its own, in place of what is being loaded.
-    pub(super) fn start_loading(
-        &mut self,
-        what: String,
-        work: impl FnOnce(&topout_scene::Progress) -> anyhow::Result<Loaded> + Send + 'static,
-    ) {
-        self.error = None;
-        match Job::spawn("topout-load", Arc::clone(&self.wake), work) {
-            Ok(job) => self.loading = Some((what, job)),
-            Err(error) => self.error = Some(format!("No thread for loading {what}: {error}")),
-        }
-    }
-
-    fn ask(&mut self, what: Ask) {
-        if self.dialog.is_none() {
-            self.take_dialog(ask(what, Arc::clone(&self.wake)));
-        }
-    }
-
-    fn save_table(&mut self, format: Format) {
-        let Some(export) = self.table.export().filter(|_| self.dialog.is_none()) else { return };
-        match export.text(format) {
-            Ok(text) => self.take_dialog(save(format, text, Arc::clone(&self.wake))),
-            Err(error) => self.error = Some(describe(&error)),
-        }
-    }
-
-    fn take_dialog(&mut self, dialog: std::io::Result<Job<Answer>>) {
-        match dialog {
-            Ok(job) => self.dialog = Some(job),
-            Err(error) => self.error = Some(format!("No thread for the dialog: {error}")),
-        }
-    }
-
-    fn poll_dialog(&mut self) {
-        let Some(job) = &self.dialog else { return };
-        let answer = match job.poll() {
-            Outcome::Pending => return,
-            Outcome::Done(answer) => answer,
-            Outcome::Died => Answer::NoDialog("The file dialog died."),
-        };
-        self.dialog = None;
-        match answer {
-            Answer::Chosen(paths) => self.open_files(paths),
-            Answer::Closed => {}
-            Answer::Saved(Ok(path)) => self.news = Some(format!("Saved to {}", path.display())),
-            Answer::Saved(Err(error)) => self.error = Some(describe(&error)),
-            Answer::NoDialog(instead) => self.error = Some(instead.to_owned()),
-        }
-    }
-
-    /// Models replace the project; schedules alone replace the schedule of the shown models, rules their links,
-    /// and paths what moves.
-    fn open_files(&mut self, files: Vec<PathBuf>) {
-        let (mut models, mut schedules) = (Vec::new(), Vec::new());
-        let (mut rules, mut paths) = (None, Vec::new());
-        for path in files {
-            let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
-            match extension.as_deref() {
-                Some("glb" | "gltf") => models.push(Source::File(path)),
-                Some("json") if project::says(&path, "topout-rules") => rules = Some(path),
-                Some("json") if project::says(&path, "topout-paths") => paths.push(path),
-                Some("json" | "csv" | "xml" | "xer" | "ifc") => schedules.push(path),
-                _ => {
-                    self.error = Some(format!(
-                        "{}: not a file that topout opens. Models are .glb or .gltf, \
-                         schedules are .json, .csv, .xml, .xer or .ifc.",
-                        path.display()
-                    ));
-                    return;
-                }
-            }
-        }
-        let beside = rules.is_some() || !paths.is_empty();
-        if models.is_empty() && schedules.is_empty() && !beside {
-            return;
-        }
-        let mut shown = self.project.as_ref().map(|p| p.request.clone());
-        if beside {
-            let request = shown.get_or_insert_default();
-            if models.is_empty() && request.models.is_empty() {
-                self.error = Some("Rules and paths need a model: open it first.".to_owned());
-                return;
-            }
-            request.rules = rules.or_else(|| request.rules.take());
-            request.paths.append(&mut paths);
-        }
-        if models.is_empty() {
-            match shown {
-                Some(shown) if schedules.is_empty() => self.load_schedule(shown),
-                Some(shown) => self.load_schedule(Request { schedules, ..shown }),
-                None => self.waiting_schedules = schedules,
-            }
-            return;
-        }
-        if schedules.is_empty() {
-            schedules = std::mem::take(&mut self.waiting_schedules);
-        }
-        self.load(Request { models, schedules, ..shown.unwrap_or_default() });
-    }
-
-    fn toggle_play(&mut self) {
-        self.playing = !self.playing && self.period().seconds() > 0;
-        if self.playing && self.time() >= self.period().end {
-            self.apply(Command::ToStart);
-        }
-    }
-
-    fn set_clock(&mut self, seconds: f64) {
-        let period = self.period();
-        let (start, end) = (period.start.seconds() as f64, period.end.seconds() as f64);
-        self.clock = seconds.max(start).min(end.max(start));
-    }
-
     fn fit(&mut self) {
         if let Some(project) = &self.project {
             self.camera = self.camera.fit(&project.focus, self.picture);
@@ -609,13 +664,14 @@ impl AppState {
     }
 
     fn fit_selection(&mut self) {
-        if let (Some(project), Some(element)) = (&self.project, self.selected) {
-            let bounds = project.scene.model.elements[element.index()].bounds;
-            if !bounds.is_empty() {
-                // Some of its surroundings help to see where it is.
-                let around = bounds.grown(bounds.diameter().max(0.5) * 0.5);
-                self.move_camera(self.camera.fit(&around, self.picture));
-            }
+        let Some(project) = &self.project else { return };
+        let elements = self.selected.elements().iter();
+        let boxes = elements.map(|id| project.scene.model.elements[id.index()].bounds);
+        let bounds = boxes.fold(Aabb::EMPTY, |all, bounds| all.union(&bounds));
+        if !bounds.is_empty() {
+            // Some of its surroundings help to see where it is.
+            let around = bounds.grown(bounds.diameter().max(0.5) * 0.5);
+            self.move_camera(self.camera.fit(&around, self.picture));
         }
     }
 
@@ -628,6 +684,10 @@ impl AppState {
 
     fn panel_mut(&mut self, panel: Panel) -> &mut bool {
         match panel {
+            Panel::Gantt => &mut self.panels.gantt,
+            Panel::Tree => &mut self.panels.tree,
+            Panel::Curves => &mut self.panels.curves,
+            Panel::Palette => &mut self.panels.palette,
             Panel::Inspector => &mut self.panels.inspector,
             Panel::Timeline => &mut self.panels.timeline,
             Panel::Figures => &mut self.panels.figures,
@@ -645,158 +705,10 @@ impl AppState {
     }
 }
 
-/// A file's name without its folder.
-fn name_of(source: &Source) -> String {
-    match source {
-        Source::Demo => "the demo project".to_owned(),
-        Source::File(path) => path
-            .file_name()
-            .map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned()),
-    }
+/// The dates that the activities of `moves` have now.
+fn dates_of(project: &Project, moves: &[(usize, TimeRange)]) -> Vec<(usize, TimeRange)> {
+    moves.iter().filter_map(|&(i, _)| Some((i, project.plan.span(i)?))).collect()
 }
 
 #[cfg(test)]
-mod tests {
-    #![allow(clippy::unwrap_used)]
-    use super::*;
-    use topout_schedule::Schedule;
-
-    fn state() -> AppState {
-        AppState::new(Arc::new(|| ()))
-    }
-
-    fn day(day: i64) -> Time {
-        Time::from_seconds(day * DAY)
-    }
-
-    /// A hundred days without elements.
-    fn with_period() -> AppState {
-        let period = TimeRange { start: day(0), end: day(100) };
-        let schedule = Schedule { period, ..Schedule::default() };
-        let scene = Scene { schedule, activity_starts: vec![0], ..Scene::default() };
-        let mut state = state();
-        state.show_scene(Request::demo(), Arc::new(scene));
-        state
-    }
-
-    #[test]
-    fn time_is_held_within_the_period() {
-        let mut state = with_period();
-        assert_eq!(state.time(), day(100), "a new project shows everything");
-        for (command, expected) in [
-            (Command::StepDays(1), day(100)),
-            (Command::StepDays(-7), day(93)),
-            (Command::JumpTo(Time::MIN), day(0)),
-            (Command::JumpTo(Time::MAX), day(100)),
-            (Command::ToStart, day(0)),
-            (Command::StepDays(-1), day(0)),
-            (Command::ToEnd, day(100)),
-        ] {
-            state.apply(command.clone());
-            assert_eq!(state.time(), expected, "{command:?}");
-        }
-    }
-
-    #[test]
-    fn playing_runs_at_its_speed_and_stops_at_the_end() {
-        let mut state = with_period();
-        state.apply(Command::SetSpeed(30));
-        state.apply(Command::TogglePlay);
-        assert_eq!(state.time(), day(0), "at the end, playing starts over");
-        for _ in 0..10 {
-            state.advance(0.1);
-        }
-        let error = state.time().seconds() - day(30).seconds();
-        assert!(error.abs() <= 1, "small steps add up to 30 days, {error} s off");
-        state.advance(10.0);
-        assert!(!state.playing);
-        assert_eq!(state.time(), day(100));
-        state.advance(1.0);
-        assert_eq!(state.time(), day(100));
-    }
-
-    #[test]
-    fn playing_can_leave_out_nights_and_days_off() {
-        let mut state = state();
-        let text = r#"{"calendars": [{"week": {"mon": ["08:00-12:00"], "wed": ["08:00-12:00"]}}],
-            "calendar": 0, "activities": [{"id": "A", "start": "2026-11-23", "end": "2026-12-02"}]}"#;
-        let options = topout_schedule::ReadOptions::default();
-        let schedule =
-            topout_schedule::read_bytes("a.json".as_ref(), text.as_bytes(), &options).unwrap();
-        let scene = topout_scene::link::link(topout_scene::Model::default(), schedule);
-        state.show_scene(Request::demo(), Arc::new(scene));
-        let at = |text: &str| Time::parse_iso(text).unwrap();
-        state.apply(Command::SetSpeed(1));
-        state.apply(Command::TogglePlay);
-        state.advance(0.25);
-        assert_eq!(state.time(), at("2026-11-23T06:00:00"));
-        state.apply(Command::ToggleSkipIdle);
-        state.advance(0.0);
-        assert_eq!(state.time(), at("2026-11-23T08:00:00"));
-        state.advance(0.25);
-        assert_eq!(state.time(), at("2026-11-25T08:00:00"), "a Wednesday");
-        state.advance(0.125);
-        assert_eq!(state.time(), at("2026-11-25T11:00:00"), "while somebody works time runs on");
-        state.advance(0.125);
-        assert_eq!(state.time(), at("2026-11-30T08:00:00"));
-        // Scrubbing shows what it is asked for.
-        state.apply(Command::JumpTo(at("2026-11-29T03:00:00")));
-        assert_eq!(state.time(), at("2026-11-29T03:00:00"));
-        state.apply(Command::JumpTo(at("2026-12-02T12:00:00")));
-        state.advance(0.001);
-        assert!(!state.playing && state.time() == state.period().end);
-    }
-
-    #[test]
-    fn nothing_plays_without_a_period() {
-        let mut state = state();
-        state.apply(Command::TogglePlay);
-        assert!(!state.playing);
-    }
-
-    #[test]
-    fn speeds_and_tolerance_stay_in_range() {
-        let mut state = state();
-        for _ in 0..20 {
-            state.apply(Command::Faster);
-        }
-        assert_eq!(Some(&state.speed), SPEEDS.last());
-        for _ in 0..20 {
-            state.apply(Command::Slower);
-        }
-        assert_eq!(Some(&state.speed), SPEEDS.first());
-        for (asked, got) in [(2.0, 2.0), (-1.0, *TOLERANCE.start()), (1e9, *TOLERANCE.end())] {
-            state.apply(Command::SetTolerance(asked));
-            assert_eq!(state.tolerance_px, got);
-        }
-        state.apply(Command::SetTolerance(f32::NAN));
-        assert_eq!(state.tolerance_px, *TOLERANCE.end());
-    }
-
-    #[test]
-    fn another_schedule_for_the_same_models_keeps_camera_and_date() {
-        let mut state = with_period();
-        let moved = state.camera.orbit(Vec3::ZERO, 0.5, 0.1);
-        state.apply(Command::MoveCamera(moved));
-        state.apply(Command::JumpTo(day(40)));
-        let scene = Arc::clone(&state.project.as_ref().unwrap().scene);
-        let request = Request { schedules: vec!["plan.json".into()], ..Request::demo() };
-        state.show_scene(request, Arc::clone(&scene));
-        assert_eq!((state.camera, state.time()), (moved, day(40)));
-
-        let other = Request { models: vec![Source::File("other.glb".into())], ..Request::demo() };
-        state.show_scene(other, scene);
-        assert_eq!(state.time(), day(100));
-        assert_ne!(state.camera, moved);
-    }
-
-    #[test]
-    fn files_of_other_kinds_are_refused_by_name() {
-        let mut state = state();
-        state.apply(Command::OpenFiles(vec!["a.GLB".into(), "site.dwg".into()]));
-        assert!(state.error.as_ref().unwrap().contains("site.dwg"));
-        assert!(state.loading.is_none(), "nothing is opened halfway");
-        state.apply(Command::OpenFiles(vec!["plan.CSV".into(), "links.csv".into()]));
-        assert_eq!(state.waiting_schedules.len(), 2, "schedules wait for their model");
-    }
-}
+mod tests;

@@ -1,0 +1,336 @@
+//! Activities as rows and bars.
+
+mod bars;
+mod plan;
+mod rows;
+
+pub use plan::{Plan, Row, What};
+pub use rows::{Filter, Gantt};
+
+use super::calendar::{DAY, day_date, short_date};
+use super::command::Command;
+use super::loading::Project;
+use super::state::AppState;
+use super::theme::{SMALL, kind_color, palette};
+use super::timeline::axis::{self, Axis, RULER_ROW};
+use crate::report::grouped;
+use bars::Bars;
+use egui::{Align, Color32, Layout, Rect, RichText, Sense, Stroke, Ui};
+use egui_extras::{Column, TableBuilder, TableRow};
+use topout_schedule::{Activity, Schedule};
+
+/// Height of a row, points.
+const ROW: f32 = 22.0;
+/// Indentation of one level of the outline, points.
+const INDENT: f32 = 12.0;
+/// Weeks that can be looked ahead.
+const WEEKS: [u32; 5] = [1, 2, 4, 8, 12];
+
+/// Draws the panel and collects what is asked for.
+pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    let Some(project) = &state.project else { return };
+    ui.horizontal(|ui| tools(ui, state, project, commands));
+    ui.add_space(4.0);
+    table(ui, state, project, commands);
+}
+
+fn tools(ui: &mut Ui, state: &AppState, project: &Project, commands: &mut Vec<Command>) {
+    let schedule = &project.scene.schedule;
+    let mut filter = state.gantt.filter.clone();
+    let field = egui::TextEdit::singleline(&mut filter.text)
+        .hint_text("Search id, name, WBS")
+        .desired_width(180.0);
+    ui.add(field).accessible_name("Search activities");
+    let toggle = |ui: &mut Ui, on: &mut bool, name: &str, tip: &str| {
+        if ui.selectable_label(*on, name).on_hover_text(tip).clicked() {
+            *on = !*on;
+        }
+    };
+    toggle(ui, &mut filter.active_now, "Active now", "At work at the shown date");
+    let weeks = |w: u32| format!("Starting in {w} week{}", if w == 1 { "" } else { "s" });
+    egui::ComboBox::from_id_salt("starting")
+        .selected_text(filter.starting_weeks.map_or_else(|| "Starting".to_owned(), weeks))
+        .show_ui(ui, |ui| {
+            ui.selectable_value(&mut filter.starting_weeks, None, "Starting whenever");
+            for w in WEEKS {
+                ui.selectable_value(&mut filter.starting_weeks, Some(w), weeks(w));
+            }
+        })
+        .response
+        .accessible_name("Look ahead")
+        .on_hover_text("Activities that start within some weeks after the shown date");
+    let tip = "Ends after its baseline or plan, or was to be done by the data date and is not";
+    toggle(ui, &mut filter.late, "Late", tip);
+    toggle(ui, &mut filter.unlinked, "Unlinked", "Linked to no element of the model");
+    egui::ComboBox::from_id_salt("kind")
+        .selected_text(filter.kind.map_or("All kinds", |kind| &schedule.kinds.of(kind).name))
+        .show_ui(ui, |ui| {
+            ui.selectable_value(&mut filter.kind, None, "All kinds");
+            for &kind in project.plan.kinds() {
+                let name = &schedule.kinds.of(kind).name;
+                ui.selectable_value(&mut filter.kind, Some(kind), name);
+            }
+        })
+        .response
+        .accessible_name("Kind of activities");
+    if let Some(node) = filter.below.and_then(|below| schedule.wbs.get(below as usize)) {
+        let text = format!("below {} ×", node.name);
+        if ui.button(text).on_hover_text("List all summaries again").clicked() {
+            filter.below = None;
+        }
+    }
+    if !filter.is_empty() {
+        let clear = ui.button("Clear").accessible_name("Clear filters");
+        if clear.on_hover_text("List all activities").clicked() {
+            filter = Filter::default();
+        }
+    }
+    if filter != state.gantt.filter {
+        commands.push(Command::SetFilter(Box::new(filter)));
+    }
+    ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let close = ui.button("×").accessible_name("Close the Gantt chart");
+        if close.clicked() {
+            commands.push(Command::Toggle(super::command::Panel::Gantt));
+        }
+        if !schedule.wbs.is_empty() {
+            if ui.button("Unfold all").clicked() {
+                commands.push(Command::FoldAll(false));
+            }
+            if ui.button("Fold all").clicked() {
+                commands.push(Command::FoldAll(true));
+            }
+        }
+        let all = schedule.activities.len();
+        let text = match state.gantt.passing() {
+            passing if passing == all => format!("{} activities", grouped(all as u64)),
+            passing => format!("{} of {}", grouped(passing as u64), grouped(all as u64)),
+        };
+        ui.label(RichText::new(text).size(SMALL).color(palette(ui).weak));
+    });
+}
+
+/// The columns before the bars: name, first width, and what of an activity stands in them.
+type Cell = fn(&Activity) -> String;
+const COLUMNS: [(&str, f32, Cell); 5] = [
+    ("Id", 84.0, |a| a.id.clone()),
+    ("Start", 84.0, |a| a.start.map(day_date).unwrap_or_default()),
+    ("Finish", 84.0, |a| a.end.map(day_date).unwrap_or_default()),
+    ("Days", 44.0, |a| a.dates().map(|d| days(d.seconds())).unwrap_or_default()),
+    ("Done", 44.0, |a| a.percent_complete.map(|p| format!("{p:.0} %")).unwrap_or_default()),
+];
+
+/// Civil days, with a half where there is one.
+fn days(seconds: i64) -> String {
+    let days = seconds as f64 / DAY as f64;
+    if days >= 10.0 || days.fract() < 0.05 { format!("{days:.0}") } else { format!("{days:.1}") }
+}
+
+fn table(ui: &mut Ui, state: &AppState, project: &Project, commands: &mut Vec<Command>) {
+    let (number, row) = state.gantt.wish(&project.plan);
+    let key = egui::Id::unique("gantt wish");
+    let fulfilled: u64 = ui.data(|data| data.get_temp(key)).unwrap_or(0);
+    let scroll_to = row.filter(|_| number > fulfilled);
+    ui.data_mut(|data| data.insert_temp(key, number));
+
+    ui.spacing_mut().item_spacing.y = 0.0;
+    let mut builder = TableBuilder::new(ui)
+        .id_salt("gantt")
+        .striped(false)
+        .resizable(true)
+        .sense(Sense::click())
+        .auto_shrink(false)
+        .animate_scrolling(false)
+        .cell_layout(Layout::left_to_right(Align::Center))
+        .column(Column::initial(240.0).at_least(80.0).clip(true));
+    for (_, width, _) in COLUMNS {
+        builder = builder.column(Column::initial(width).at_least(24.0).clip(true));
+    }
+    builder = builder.column(Column::remainder().at_least(80.0).clip(true));
+    if let Some(row) = scroll_to {
+        builder = builder.scroll_to_row(row, Some(Align::Center));
+    }
+    builder
+        .header(2.0 * RULER_ROW + 2.0, |mut header| {
+            for name in ["Name"].into_iter().chain(COLUMNS.map(|(name, ..)| name)) {
+                header.col(|ui| {
+                    ui.label(RichText::new(name).size(SMALL).color(palette(ui).weak));
+                });
+            }
+            header.col(|ui| ruler(ui, state, commands));
+        })
+        .body(|body| {
+            let rows = state.gantt.rows();
+            body.rows(ROW, rows.len(), |mut row| {
+                let place = rows[row.index()] as usize;
+                match project.plan.rows()[place] {
+                    Row { what: What::Summary(summary), depth, .. } => {
+                        summary_row(&mut row, state, project, summary, depth, commands);
+                    }
+                    Row { what: What::Activity(activity), depth, .. } => {
+                        activity_row(&mut row, state, project, activity as usize, depth, commands);
+                    }
+                }
+            });
+        });
+}
+
+/// The ruler above the bars, which is dragged as the timeline is.
+fn ruler(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    let (place, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Gantt ruler"));
+    let axis = Axis { place, scale: state.scale };
+    let painter = ui.painter_at(place);
+    let colors = palette(ui);
+    let ticks = axis.scale.ticks(place.width());
+    let foot = Rect::from_min_max(place.left_bottom(), place.max);
+    axis::marks(&painter, place, foot, axis, &ticks, colors);
+    let x = axis.x(state.time());
+    painter.vline(x, place.y_range(), Stroke::new(2.0, colors.cursor));
+    axis::gestures(ui, &response, axis, state, commands);
+}
+
+/// Fold sign and name, indented.
+fn name_cell(ui: &mut Ui, depth: u16, text: RichText, fold: Option<bool>) -> Option<bool> {
+    ui.add_space(f32::from(depth.min(12)) * INDENT);
+    let mut toggled = None;
+    let (place, response) = ui.allocate_exact_size(
+        egui::vec2(14.0, ROW),
+        match fold {
+            Some(_) => Sense::click(),
+            None => Sense::hover(),
+        },
+    );
+    if let Some(folded) = fold {
+        let name = format!("{} {}", if folded { "Unfold" } else { "Fold" }, text.text());
+        let response = response.accessible_name(name);
+        let color = ui.style().interact(&response).fg_stroke.color;
+        let middle = place.center();
+        let corners = match folded {
+            true => [(-3.0, -4.0), (4.0, 0.0), (-3.0, 4.0)],
+            false => [(-4.0, -3.0), (4.0, -3.0), (0.0, 4.0)],
+        };
+        let corners = corners.map(|(x, y)| middle + egui::vec2(x, y)).to_vec();
+        ui.painter().add(egui::Shape::convex_polygon(corners, color, Stroke::NONE));
+        toggled = response.clicked().then_some(!folded);
+    }
+    ui.add(egui::Label::new(text).truncate().selectable(false));
+    toggled
+}
+
+fn summary_row(
+    row: &mut TableRow<'_, '_>,
+    state: &AppState,
+    project: &Project,
+    summary: u32,
+    depth: u16,
+    commands: &mut Vec<Command>,
+) {
+    let node = &project.scene.schedule.wbs[summary as usize];
+    let sum = project.plan.sum(summary);
+    let folded = state.gantt.is_folded(summary);
+    let name = if node.name.is_empty() { &node.code } else { &node.name };
+    row.set_selected(state.gantt.filter.below == Some(summary));
+    row.col(|ui| {
+        let text = RichText::new(name).strong();
+        if let Some(folded) = name_cell(ui, depth, text, Some(folded)) {
+            commands.push(Command::Fold(summary, folded));
+        }
+    });
+    let dates = sum.span.map(|s| [day_date(s.start), day_date(s.end), days(s.seconds())]);
+    let [start, finish, days] = dates.unwrap_or_default();
+    let done = sum.done().map(|done| format!("{:.0} %", done * 100.0)).unwrap_or_default();
+    for text in [node.code.clone(), start, finish, days, done] {
+        row.col(|ui| {
+            ui.label(RichText::new(text).size(SMALL).color(palette(ui).weak));
+        });
+    }
+    row.col(|ui| {
+        let bars = Bars::begin(ui, state);
+        if let Some(span) = sum.span {
+            bars.summary(ui, span);
+        }
+        bars.wheel(ui, state, commands);
+    });
+    let response = row.response();
+    if response.double_clicked() {
+        let below = Some(summary);
+        let filter = Filter { below, ..state.gantt.filter.clone() };
+        commands.push(Command::SetFilter(Box::new(filter)));
+    } else if response.clicked() {
+        commands.push(Command::SelectSummary(summary));
+    }
+    response.on_hover_text(format!(
+        "{} activities. Click: select their elements. Double click: list nothing else.",
+        grouped(u64::from(sum.activities))
+    ));
+}
+
+fn activity_row(
+    row: &mut TableRow<'_, '_>,
+    state: &AppState,
+    project: &Project,
+    activity: usize,
+    depth: u16,
+    commands: &mut Vec<Command>,
+) {
+    let schedule = &project.scene.schedule;
+    let it = &schedule.activities[activity];
+    let of_selected = || {
+        let one = state.selected.only();
+        one.is_some_and(|id| project.scene.activities_of(id).contains(&(activity as u32)))
+    };
+    let selected = match state.selected.activity() {
+        Some(chosen) => chosen == activity,
+        None => of_selected(),
+    };
+    row.set_selected(selected);
+    let late = project.plan.is_late(activity);
+    row.col(|ui| {
+        let text = RichText::new(if it.name.is_empty() { &it.id } else { &it.name });
+        let text = if it.active { text } else { text.weak().strikethrough() };
+        name_cell(ui, depth, text, None);
+    });
+    for (i, (.., cell)) in COLUMNS.into_iter().enumerate() {
+        row.col(|ui| {
+            let color = match i {
+                2 if late => palette(ui).warning,
+                _ => palette(ui).weak,
+            };
+            let text = RichText::new(cell(it)).size(SMALL).color(color);
+            ui.add(egui::Label::new(text).truncate().selectable(false));
+        });
+    }
+    row.col(|ui| {
+        let bars = Bars::begin(ui, state);
+        let color = bar_color(ui, schedule, it);
+        bars.activity(ui, activity, it, color, commands);
+        bars.wheel(ui, state, commands);
+    });
+    let response = row.response();
+    if response.double_clicked() {
+        commands.push(Command::SelectActivity(activity));
+        commands.extend(it.start.map(Command::JumpTo));
+        commands.push(Command::FitSelection);
+    } else if response.clicked() {
+        commands.push(Command::SelectActivity(activity));
+    }
+    if response.hovered() {
+        let dates = it.dates().map(|d| format!("{} – {}", short_date(d.start), short_date(d.end)));
+        let elements = project.plan.elements_of(activity).len();
+        response.on_hover_text(format!(
+            "{}  {}\n{}\n{} elements",
+            it.id,
+            it.name,
+            dates.as_deref().unwrap_or("no dates"),
+            grouped(elements as u64)
+        ));
+    }
+}
+
+fn bar_color(ui: &Ui, schedule: &Schedule, activity: &Activity) -> Color32 {
+    match activity.active {
+        true => kind_color(schedule.kinds.of(activity.kind), ui.visuals().dark_mode),
+        false => palette(ui).weak,
+    }
+}
