@@ -43,33 +43,12 @@ impl<'a> WorkDays<'a> {
         };
         let mut this = Self { calendar, week, spans: Vec::new() };
         let Some(calendar) = calendar else { return this };
-        let number = |day: chrono::NaiveDate| {
-            i64::from(chrono::Datelike::num_days_from_ce(&day)) - EPOCH_DAY
-        };
-        let mut changes = Vec::with_capacity(2 * calendar.exceptions.len());
-        for (i, exception) in calendar.exceptions.iter().enumerate() {
-            let (first, end) = (number(exception.first), number(exception.last) + 1);
-            if first < end {
-                changes.extend([(first, true, i), (end, false, i)]);
-            }
-        }
-        changes.sort_unstable();
-        // Of several exceptions for one day the last counts.
-        let mut open = BTreeSet::new();
         let mut more = 0;
-        for (at, &(day, begins, exception)) in changes.iter().enumerate() {
-            match begins {
-                true => open.insert(exception),
-                false => open.remove(&exception),
-            };
-            let Some(&(end, ..)) = changes.get(at + 1).filter(|next| next.0 > day) else {
-                continue;
-            };
-            let Some(&counts) = open.last() else { continue };
-            let worked = !calendar.exceptions[counts].shifts.is_empty();
-            let days = if worked { end - day } else { 0 };
-            more += days - (this.weekdays_before(end) - this.weekdays_before(day));
-            this.spans.push(Span { first: day, end, exception: counts, more });
+        for (first, end, exception) in exception_spans(calendar) {
+            let worked = !calendar.exceptions[exception].shifts.is_empty();
+            let days = if worked { end - first } else { 0 };
+            more += days - (this.weekdays_before(end) - this.weekdays_before(first));
+            this.spans.push(Span { first, end, exception, more });
         }
         this
     }
@@ -122,6 +101,34 @@ impl<'a> WorkDays<'a> {
         let rest = self.week[..weekday(day) as usize].iter().filter(|&&w| w).count() as i64;
         weeks * all + rest
     }
+}
+
+/// Which exception counts on which days: first day, first day after, index; disjoint, in order. Of
+/// several exceptions for one day the last counts. O(n log n). Days are numbered from 1970-01-01.
+pub(crate) fn exception_spans(calendar: &Calendar) -> Vec<(i64, i64, usize)> {
+    let number =
+        |day: chrono::NaiveDate| i64::from(chrono::Datelike::num_days_from_ce(&day)) - EPOCH_DAY;
+    let mut changes = Vec::with_capacity(2 * calendar.exceptions.len());
+    for (i, exception) in calendar.exceptions.iter().enumerate() {
+        let (first, end) = (number(exception.first), number(exception.last) + 1);
+        if first < end {
+            changes.extend([(first, true, i), (end, false, i)]);
+        }
+    }
+    changes.sort_unstable();
+    let mut open = BTreeSet::new();
+    let mut spans = Vec::new();
+    for (at, &(day, begins, exception)) in changes.iter().enumerate() {
+        match begins {
+            true => open.insert(exception),
+            false => open.remove(&exception),
+        };
+        let next = changes.get(at + 1).filter(|next| next.0 > day);
+        if let (Some(&(end, ..)), Some(&counts)) = (next, open.last()) {
+            spans.push((day, end, counts));
+        }
+    }
+    spans
 }
 
 /// 0 for Monday. 1970-01-01 was a Thursday.
