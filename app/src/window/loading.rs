@@ -13,7 +13,7 @@ use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
 use topout_scene::pick::Picker;
 use topout_scene::{Aabb, Looks, Progress, Scene};
-use topout_schedule::{DateSet, SCurve};
+use topout_schedule::{DateSet, Network, SCurve};
 
 /// Called by a worker when it has something to show.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -125,6 +125,8 @@ pub struct Project {
     pub calendar: Calendar,
     /// Its activities as rows.
     pub plan: Plan,
+    /// What its activities wait for.
+    pub network: Network,
     /// Planned and actual progress over time.
     pub progress: SCurve,
     /// What the standard views fit.
@@ -195,6 +197,7 @@ impl Project {
             picker: Arc::new(Picker::new(&scene)),
             calendar: Calendar::new(&scene.schedule),
             plan: Plan::new(&scene),
+            network: Network::new(&scene.schedule),
             progress: SCurve::new(&scene.schedule),
             focus: scene.focus_bounds(),
             triangles: scene.model.triangle_count(),
@@ -214,6 +217,7 @@ impl Project {
             picker: Arc::clone(&self.picker),
             calendar: Calendar::new(&scene.schedule),
             plan: Plan::new(&scene),
+            network: Network::new(&scene.schedule),
             progress: SCurve::new(&scene.schedule),
             focus: self.focus,
             triangles: self.triangles,

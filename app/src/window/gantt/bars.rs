@@ -86,6 +86,7 @@ impl Bars {
         index: usize,
         activity: &Activity,
         color: Color32,
+        critical: bool,
         commands: &mut Vec<Command>,
     ) {
         let painter = ui.painter_at(self.place);
@@ -127,6 +128,10 @@ impl Bars {
                 let width = bar.width() * done;
                 let part = Rect::from_min_size(bar.min, egui::vec2(width, bar.height()));
                 painter.rect_filled(part, 2.0, color);
+                if critical {
+                    let stroke = Stroke::new(1.5, self.colors.error);
+                    painter.hline(bar.x_range(), bar.max.y, stroke);
+                }
             }
         }
         if drag.is_some() {

@@ -61,6 +61,8 @@ fn tools(ui: &mut Ui, state: &AppState, project: &Project, commands: &mut Vec<Co
         .on_hover_text("Activities that start within some weeks after the shown date");
     let tip = "Ends after its baseline or plan, or was to be done by the data date and is not";
     toggle(ui, &mut filter.late, "Late", tip);
+    let tip = "Cannot move without the project ending later; such bars have a red line";
+    toggle(ui, &mut filter.critical, "Critical", tip);
     toggle(ui, &mut filter.unlinked, "Unlinked", "Linked to no element of the model");
     egui::ComboBox::from_id_salt("kind")
         .selected_text(filter.kind.map_or("All kinds", |kind| &schedule.kinds.of(kind).name))
@@ -304,7 +306,7 @@ fn activity_row(
     row.col(|ui| {
         let bars = Bars::begin(ui, state);
         let color = bar_color(ui, schedule, it);
-        bars.activity(ui, activity, it, color, commands);
+        bars.activity(ui, activity, it, color, project.plan.is_critical(activity), commands);
         bars.wheel(ui, state, commands);
     });
     let response = row.response();
@@ -318,12 +320,17 @@ fn activity_row(
     if response.hovered() {
         let dates = it.dates().map(|d| format!("{} – {}", short_date(d.start), short_date(d.end)));
         let elements = project.plan.elements_of(activity).len();
+        let slack = project.plan.slack(activity).map(|seconds| match seconds {
+            ..=0 => "\ncritical".to_owned(),
+            seconds => format!("\n{} h of slack", grouped(seconds.unsigned_abs() / 3600)),
+        });
         response.on_hover_text(format!(
-            "{}  {}\n{}\n{} elements",
+            "{}  {}\n{}\n{} elements{}",
             it.id,
             it.name,
             dates.as_deref().unwrap_or("no dates"),
-            grouped(elements as u64)
+            grouped(elements as u64),
+            slack.unwrap_or_default()
         ));
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 use topout_scene::{ElementId, Scene};
-use topout_schedule::{Activity, ActivityKind, DateSet, Schedule, Time, TimeRange};
+use topout_schedule::{Activity, ActivityKind, DateSet, Network, Schedule, Time, TimeRange};
 
 /// What a row stands for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -63,6 +63,8 @@ pub struct Plan {
     sums: Vec<Sum>,
     spans: Vec<Option<TimeRange>>,
     late: Vec<bool>,
+    /// Seconds that an activity can move before the project ends later.
+    slack: Vec<Option<i64>>,
     /// Lower-case id and name.
     words: Arc<[Box<str>]>,
     kinds: Vec<ActivityKind>,
@@ -94,10 +96,23 @@ impl Plan {
                 .map(|a| format!("{}\n{}", a.id, a.name).to_lowercase().into())
                 .collect(),
             kinds: kinds(schedule),
+            slack: Network::new(schedule).critical(schedule),
             rows,
             starts,
             elements,
         }
+    }
+
+    /// Seconds of working time that an activity can move before the project ends later; `None` where
+    /// that is not known.
+    pub fn slack(&self, activity: usize) -> Option<i64> {
+        self.slack.get(activity).copied().flatten()
+    }
+
+    /// Whether the project ends later as soon as an activity does. In a schedule without links nothing is
+    /// said to be so.
+    pub fn is_critical(&self, activity: usize) -> bool {
+        self.slack(activity).is_some_and(|slack| slack <= 0)
     }
 
     /// The kinds of activities that occur.

@@ -18,6 +18,8 @@ pub struct Filter {
     pub starting_weeks: Option<u32>,
     /// Late by their plan.
     pub late: bool,
+    /// Without room to move before the project ends later.
+    pub critical: bool,
     /// Linked to no element.
     pub unlinked: bool,
     /// Of one kind.
@@ -45,6 +47,7 @@ impl Filter {
                 span.is_some_and(|s| time < s.start && s.start <= until)
             })
             && (!self.late || plan.is_late(activity))
+            && (!self.critical || plan.is_critical(activity))
             && (!self.unlinked || plan.elements_of(activity).is_empty())
             && self.kind.is_none_or(|kind| schedule.activities[activity].kind == kind)
     }
@@ -270,6 +273,7 @@ mod tests {
                 active_now,
                 starting_weeks,
                 late: false,
+                critical: false,
                 unlinked,
                 kind: kind.map(|k| ActivityKind::WORDS[k].1),
                 below,

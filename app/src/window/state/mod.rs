@@ -409,7 +409,7 @@ impl AppState {
     /// Moves an activity, and what its links make follow; that can be taken back.
     fn move_activity(&mut self, activity: usize, dates: TimeRange) {
         let Some(project) = &self.project else { return };
-        let moves = vec![(activity, dates)];
+        let moves = project.network.moved(&project.scene.schedule, &[(activity, dates)]);
         let before = dates_of(project, &moves);
         if before.len() == moves.len() {
             self.history.push(Change::Dates(before));

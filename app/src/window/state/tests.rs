@@ -145,3 +145,59 @@ fn files_of_other_kinds_are_refused_by_name() {
     state.apply(Command::OpenFiles(vec!["plan.CSV".into(), "links.csv".into()]));
     assert_eq!(state.waiting_schedules.len(), 2, "schedules wait for their model");
 }
+
+/// Waits for what was begun.
+fn settle(state: &mut AppState) {
+    while state.is_busy() {
+        std::thread::sleep(std::time::Duration::from_millis(2));
+        state.poll();
+    }
+}
+
+#[test]
+fn successors_follow_what_is_moved_and_undo_brings_all_of_them_back() {
+    let mut state = state();
+    let text = r#"{"activities": [
+        {"id": "A", "start": "2026-03-02", "end": "2026-03-06"},
+        {"id": "B", "start": "2026-03-06", "end": "2026-03-10",
+         "predecessors": [{"id": "A", "type": "FS"}]},
+        {"id": "C", "start": "2026-03-20", "end": "2026-03-21",
+         "predecessors": [{"id": "B", "type": "FS"}]},
+        {"id": "D", "start": "2026-03-30", "end": "2026-03-31"}]}"#;
+    let options = topout_schedule::ReadOptions::default();
+    let schedule =
+        topout_schedule::read_bytes("a.json".as_ref(), text.as_bytes(), &options).unwrap();
+    let scene = topout_scene::link::link(topout_scene::Model::default(), schedule);
+    state.show_scene(Request::demo(), Arc::new(scene));
+    settle(&mut state);
+    let dates = |state: &AppState| -> Vec<String> {
+        let activities = &state.project.as_ref().unwrap().scene.schedule.activities;
+        activities.iter().map(|a| a.start.unwrap().to_string()[5..10].to_owned()).collect()
+    };
+    let at = |text: &str| Time::parse_iso(text).unwrap();
+    let before = dates(&state);
+    let to = TimeRange { start: at("2026-03-09"), end: at("2026-03-13") };
+    state.apply(Command::MoveActivity(0, to));
+    settle(&mut state);
+    assert_eq!(dates(&state), ["03-09", "03-13", "03-20", "03-30"], "C has room, D no link");
+    state.apply(Command::MoveActivity(
+        1,
+        TimeRange { start: at("2026-03-18"), end: at("2026-03-22") },
+    ));
+    settle(&mut state);
+    assert_eq!(dates(&state), ["03-09", "03-18", "03-22", "03-30"]);
+    for expected in
+        [vec!["03-09", "03-13", "03-20", "03-30"], vec!["03-02", "03-06", "03-20", "03-30"]]
+    {
+        state.apply(Command::Undo);
+        settle(&mut state);
+        assert_eq!(dates(&state), expected);
+    }
+    assert_eq!(dates(&state), before);
+    state.apply(Command::Undo);
+    settle(&mut state);
+    assert_eq!(dates(&state), before, "nothing is left to take back");
+    state.apply(Command::Redo);
+    settle(&mut state);
+    assert_eq!(dates(&state)[1], "03-13");
+}
