@@ -3,6 +3,7 @@
 pub mod caption;
 pub mod film;
 mod gif;
+pub mod movie;
 mod mp4;
 mod palette;
 pub mod shot;
