@@ -444,6 +444,17 @@ pub fn encode_png(picture: &Picture, transparent: bool) -> Result<Vec<u8>, image
     Ok(bytes)
 }
 
+/// Says early whether a file could be written there; leaves nothing.
+///
+/// # Errors
+/// If it could not.
+pub fn check_place(path: &Path) -> Result<(), FilmError> {
+    let mut scratch = Scratch::beside(path);
+    drop(create(path, &scratch.path)?);
+    scratch.there = true;
+    Ok(())
+}
+
 /// Writes a whole file under another name beside its place, then gives it its name.
 ///
 /// # Errors

@@ -5,6 +5,7 @@ pub mod film;
 mod gif;
 pub mod movie;
 mod mp4;
+pub mod page;
 mod palette;
 pub mod shot;
 
