@@ -376,3 +376,6 @@ fn blend(picture: &mut Picture, x: i32, y: i32, color: [u8; 4], cover: f32) {
     }
     pixel[3] = (both * 255.0).round() as u8;
 }
+
+#[cfg(test)]
+mod tests;

@@ -124,11 +124,12 @@ fn write(scene: &Scene, late: [DateSet; 2], months: &[Month], pictures: &[String
     if !schedule.activities.is_empty() {
         html.push_str("<section id=\"progress\">\n<h2>Progress</h2>\n");
         html.push_str(&curve::svg(&progress, schedule.period));
-        html.push_str("<p class=\"key\"><span class=\"planned\">planned</span>");
+        let key = |word, color| format!("<b style=\"color:{color}\">{word}</b> \u{b7} ");
+        let _ = write!(html, "<p class=\"key\">{}", key("planned", curve::PLANNED));
         if known.is_some() {
-            html.push_str(" <span class=\"actual\">actual</span>");
+            html.push_str(&key("actual", curve::ACTUAL));
         }
-        html.push_str(" \u{b7} weighted by planned time</p>\n</section>\n");
+        html.push_str("weighted by planned time</p>\n</section>\n");
     }
     let slips = Comparison::of_sets(schedule, late[0], late[1]);
     let mut later: Vec<&Slip> = slips
@@ -355,9 +356,7 @@ summary{cursor:pointer}ul{margin:6px 0;padding:0;list-style:none;font-size:13px}
 .day{color:#4a5565;font-variant-numeric:tabular-nums}.id,.more{color:#7a8494;font-size:12px}
 table{border-collapse:collapse;width:100%;font-size:13px}th,td{text-align:left;vertical-align:top;padding:4px 10px 4px 0;border-bottom:1px solid #e7eaee;overflow-wrap:anywhere}
 .n{text-align:right;font-variant-numeric:tabular-nums}.error td:first-child{color:#b3261e;font-weight:600}.warning td:first-child{color:#9a5b00}
-.curve{width:100%;height:auto}.curve text{font-size:12px;fill:#4a5565}.grid{stroke:#e3e6eb}.now{stroke:#7a8494;stroke-dasharray:4 3}
-polyline{fill:none;stroke-width:2.5;stroke-linejoin:round}polyline.planned{stroke:#0072b2}polyline.actual{stroke:#d55e00}
-.key{margin:4px 0 0;color:#4a5565}span.planned{color:#0072b2;font-weight:600}span.actual{color:#d55e00;font-weight:600}
+.curve{width:100%;height:auto}.key{margin:4px 0 0;color:#4a5565}.key b{font-weight:600}
 footer{color:#7a8494;padding-bottom:30px}@media print{body{background:#fff}article{break-inside:avoid}}
 ";
 

@@ -8,10 +8,14 @@ use topout_schedule::{Time, TimeRange};
 /// The drawing, in its own units.
 const WIDTH: f64 = 860.0;
 const HEIGHT: f64 = 320.0;
-const LEFT: f64 = 48.0;
-const RIGHT: f64 = 16.0;
+const LEFT: f64 = 56.0;
+const RIGHT: f64 = 30.0;
 const TOP: f64 = 14.0;
 const BOTTOM: f64 = 34.0;
+const LINE: &str = "fill=\"none\" stroke-width=\"2.5\" stroke-linejoin=\"round\"";
+/// Colours that people tell apart who do not see red or green (Okabe and Ito).
+pub(super) const PLANNED: &str = "#0072b2";
+pub(super) const ACTUAL: &str = "#d55e00";
 /// Points of a curve.
 const POINTS: u32 = 200;
 /// Most labels on the axis of time.
@@ -26,13 +30,13 @@ pub(super) fn svg(progress: &Progress, period: TimeRange) -> String {
     let y = |share: f64| TOP + (1.0 - share) * (HEIGHT - TOP - BOTTOM);
     let mut svg = format!(
         "<svg class=\"curve\" viewBox=\"0 0 {WIDTH} {HEIGHT}\" role=\"img\" \
-         aria-label=\"Progress over time\" xmlns=\"http://www.w3.org/2000/svg\">\n"
+         aria-label=\"Progress over time\" xmlns=\"http://www.w3.org/2000/svg\" font-size=\"12\" fill=\"#4a5565\">\n"
     );
     for percent in [0, 25, 50, 75, 100] {
         let at = y(f64::from(percent) / 100.0);
         let _ = writeln!(
             svg,
-            "<line class=\"grid\" x1=\"{LEFT}\" y1=\"{at:.1}\" x2=\"{:.1}\" y2=\"{at:.1}\"/>\
+            "<line stroke=\"#e3e6eb\" x1=\"{LEFT}\" y1=\"{at:.1}\" x2=\"{:.1}\" y2=\"{at:.1}\"/>\
              <text x=\"{:.1}\" y=\"{:.1}\" text-anchor=\"end\">{percent} %</text>",
             WIDTH - RIGHT,
             LEFT - 6.0,
@@ -43,7 +47,7 @@ pub(super) fn svg(progress: &Progress, period: TimeRange) -> String {
         let at = x(time);
         let _ = writeln!(
             svg,
-            "<line class=\"grid\" x1=\"{at:.1}\" y1=\"{TOP}\" x2=\"{at:.1}\" y2=\"{:.1}\"/>\
+            "<line stroke=\"#e3e6eb\" x1=\"{at:.1}\" y1=\"{TOP}\" x2=\"{at:.1}\" y2=\"{:.1}\"/>\
              <text x=\"{at:.1}\" y=\"{:.1}\" text-anchor=\"middle\">{label}</text>",
             HEIGHT - BOTTOM,
             HEIGHT - BOTTOM + 18.0,
@@ -55,14 +59,14 @@ pub(super) fn svg(progress: &Progress, period: TimeRange) -> String {
         times.map(|t| format!("{:.1},{:.1}", x(t), y(share(t)))).collect::<Vec<_>>().join(" ")
     };
     let planned = points(period.end, &|t| progress.planned(t));
-    let _ = writeln!(svg, "<polyline class=\"planned\" points=\"{planned}\"/>");
+    let _ = writeln!(svg, "<polyline {LINE} stroke=\"{PLANNED}\" points=\"{planned}\"/>");
     if let Some(until) = progress.known_until().map(|t| t.clamp(period.start, period.end)) {
         let actual = points(until, &|t| progress.actual(t));
         let at = x(until);
         let _ = writeln!(
             svg,
-            "<line class=\"now\" x1=\"{at:.1}\" y1=\"{TOP}\" x2=\"{at:.1}\" y2=\"{:.1}\"/>\
-             <polyline class=\"actual\" points=\"{actual}\"/>",
+            "<line stroke=\"#7a8494\" stroke-dasharray=\"4 3\" x1=\"{at:.1}\" y1=\"{TOP}\" x2=\"{at:.1}\" y2=\"{:.1}\"/>\
+             <polyline {LINE} stroke=\"{ACTUAL}\" points=\"{actual}\"/>",
             HEIGHT - BOTTOM,
         );
     }
