@@ -19,7 +19,7 @@ use std::fmt::Write;
 use topout_render::{DrawMode, FrameInput, Picture, Renderer};
 use topout_scene::check::{Section, Subject, check, name_of};
 use topout_scene::{ElementId, Scene, View};
-use topout_schedule::{Activity, Comparison, DateSet, Severity, Slip, SlipClass, Time};
+use topout_schedule::{Activity, Comparison, DateSet, Severity, SlipClass, Time};
 
 /// What a page shows.
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -81,8 +81,7 @@ pub fn make(
 
 /// The last second of a month: what is torn down or built at midnight belongs to the next.
 fn shown_at(month: &Month) -> Time {
-    let last = month.range.end.plus_seconds(-1);
-    last.max(month.range.start)
+    last(month.range.end, Some(month.range.start))
 }
 
 fn address(picture: &Picture, background: Background) -> anyhow::Result<String> {
@@ -132,12 +131,7 @@ fn write(scene: &Scene, late: [DateSet; 2], months: &[Month], pictures: &[String
         html.push_str("weighted by planned time</p>\n</section>\n");
     }
     let slips = Comparison::of_sets(schedule, late[0], late[1]);
-    let mut later: Vec<&Slip> = slips
-        .slips
-        .iter()
-        .filter(|slip| matches!(slip.class(), SlipClass::Later | SlipClass::MuchLater))
-        .collect();
-    later.sort_by(|a, b| b.working_days.total_cmp(&a.working_days));
+    let later = lateness(scene, late, &slips);
     html.push_str(&late_section(scene, late, &slips, &later));
     html.push_str("<section id=\"months\">\n<h2>Month by month</h2>\n");
     for (month, picture) in months.iter().zip(pictures) {
@@ -175,11 +169,35 @@ fn summary(scene: &Scene, known: Option<(Time, f64, f64)>) -> String {
     text
 }
 
+/// An activity that is late: a place in the schedule's list, and the working days by which it ended later; `None`
+/// where it should have ended and has not.
+type Late = (usize, Option<f64>);
+
+/// What has not ended though it should have, up to the day on which that is known, then what ended later, most first.
+fn lateness(scene: &Scene, [from, to]: [DateSet; 2], slips: &Comparison) -> Vec<Late> {
+    let schedule = &scene.schedule;
+    let due = |activity: &Activity| {
+        let ended = activity.dates_of(to).end.is_some();
+        let due = activity.dates_of(from).end.filter(|_| to == DateSet::Actual && activity.active);
+        !ended && due.zip(schedule.data_date).is_some_and(|(due, known)| due <= known)
+    };
+    let open = schedule.activities.iter().enumerate().filter(|(_, activity)| due(activity));
+    let mut late: Vec<Late> = open.map(|(i, _)| (i, None)).collect();
+    let later = slips
+        .slips
+        .iter()
+        .filter(|slip| matches!(slip.class(), SlipClass::Later | SlipClass::MuchLater));
+    let mut later: Vec<_> = later.map(|slip| (slip.activity, slip.working_days)).collect();
+    later.sort_by(|a, b| b.1.total_cmp(&a.1));
+    late.extend(later.into_iter().map(|(activity, days)| (activity, Some(days))));
+    late
+}
+
 fn late_section(
     scene: &Scene,
     [from, to]: [DateSet; 2],
     all: &Comparison,
-    later: &[&Slip],
+    late: &[Late],
 ) -> String {
     let schedule = &scene.schedule;
     if schedule.activities.is_empty() {
@@ -187,8 +205,8 @@ fn late_section(
     }
     let (from_word, to_word) = (from.word(), to.word());
     let mut text =
-        format!("<section id=\"late\">\n<h2>Late activities ({})</h2>\n", count(later.len()));
-    if all.totals.missing == all.slips.len() {
+        format!("<section id=\"late\">\n<h2>Late activities ({})</h2>\n", count(late.len()));
+    if all.totals.missing == all.slips.len() && late.is_empty() {
         let _ = write!(
             text,
             "<p>No activity has both {from_word} and {to_word} dates.</p>\n</section>\n"
@@ -204,30 +222,40 @@ fn late_section(
         count(totals.earlier),
         count(totals.missing),
     );
-    if !later.is_empty() {
+    if !late.is_empty() {
         let _ = writeln!(
             text,
             "<table>\n<thead><tr><th>Activity</th><th>Name</th><th>End {from_word}</th><th>End {to_word}</th>\
              <th class=\"n\">Working days</th></tr></thead>\n<tbody>"
         );
-        for slip in later.iter().take(LATE_LISTED) {
-            let activity = &schedule.activities[slip.activity];
-            let end = |set| activity.dates_of(set).end.map(short).unwrap_or_default();
+        for &(activity, days) in late.iter().take(LATE_LISTED) {
+            let activity = &schedule.activities[activity];
+            let end = |set| {
+                let dates = activity.dates_of(set);
+                dates.end.map_or_else(|| "not yet".to_owned(), |end| short(last(end, dates.start)))
+            };
             let _ = writeln!(
                 text,
-                "<tr><td>{}</td><td>{}</td><td>{}</td><td>{}</td><td class=\"n\">+{:.1}</td></tr>",
+                "<tr><td>{}</td><td>{}</td><td class=\"date\">{}</td><td class=\"date\">{}</td>\
+                 <td class=\"n\">{}</td></tr>",
                 escape(&activity.id),
                 escape(&activity.name),
                 end(from),
                 end(to),
-                slip.working_days,
+                days.map_or_else(String::new, |days| format!("+{days:.1}")),
             );
         }
         text.push_str("</tbody>\n</table>\n");
-        text.push_str(&more(later.len(), LATE_LISTED));
+        text.push_str(&more(late.len(), LATE_LISTED));
     }
     text.push_str("</section>\n");
     text
+}
+
+/// The last second of something that ends: what ends at midnight ends on the day before.
+fn last(end: Time, start: Option<Time>) -> Time {
+    let last = end.plus_seconds(-1);
+    start.map_or(last, |start| last.max(start))
 }
 
 fn month_section(scene: &Scene, month: &Month, picture: &str) -> String {
@@ -241,15 +269,16 @@ fn month_section(scene: &Scene, month: &Month, picture: &str) -> String {
     let day = escape(&date_with_weekday(at));
     let mut text = format!(
         "<article>\n<h3>{name}</h3>\n<figure><img src=\"{picture}\" alt=\"{name}\"/>\
-         <figcaption>{day} \u{b7} {} elements stand there</figcaption></figure>\n",
+         <figcaption>{day} \u{b7} {} {} there</figcaption></figure>\n",
         count(standing),
+        if standing == 1 { "element stands" } else { "elements stand" },
     );
-    let mut lists: [(&str, Vec<(Time, &Activity)>); 3] =
-        [("start", Vec::new()), ("end", Vec::new()), ("are at work", Vec::new())];
+    let mut lists: [([&str; 2], Vec<(Time, &Activity)>); 3] =
+        [["starts", "start"], ["ends", "end"], ["is at work", "are at work"]]
+            .map(|w| (w, Vec::new()));
     for activity in schedule.activities.iter().filter(|a| a.active) {
         let Some(dates) = activity.dates() else { continue };
-        // What ends at midnight ends on the day before.
-        let last = dates.end.plus_seconds(-1).max(dates.start);
+        let last = last(dates.end, Some(dates.start));
         if range.contains(dates.start) {
             lists[0].1.push((dates.start, activity));
         }
@@ -261,13 +290,13 @@ fn month_section(scene: &Scene, month: &Month, picture: &str) -> String {
         }
     }
     text.push_str("<div class=\"lists\">\n");
-    for (what, mut list) in lists {
+    for ([one, several], mut list) in lists {
+        let what = match list.len() {
+            1 => format!("activity {one}"),
+            _ => format!("activities {several}"),
+        };
         list.sort_by(|a, b| (a.0, &a.1.id).cmp(&(b.0, &b.1.id)));
-        let _ = writeln!(
-            text,
-            "<details><summary><b>{}</b> activities {what}</summary>",
-            count(list.len())
-        );
+        let _ = writeln!(text, "<details><summary><b>{}</b> {what}</summary>", count(list.len()));
         if !list.is_empty() {
             text.push_str("<ul>\n");
             for (time, activity) in list.iter().take(LISTED) {
@@ -354,7 +383,7 @@ figure{margin:0}img{display:block;max-width:100%;height:auto;border-radius:5px}f
 .lists{display:grid;grid-template-columns:repeat(auto-fit,minmax(270px,1fr));gap:6px 18px;align-items:start}
 summary{cursor:pointer}ul{margin:6px 0;padding:0;list-style:none;font-size:13px}li{padding:1px 0;overflow-wrap:anywhere}
 .day{color:#4a5565;font-variant-numeric:tabular-nums}.id,.more{color:#7a8494;font-size:12px}
-table{border-collapse:collapse;width:100%;font-size:13px}th,td{text-align:left;vertical-align:top;padding:4px 10px 4px 0;border-bottom:1px solid #e7eaee;overflow-wrap:anywhere}
+table{border-collapse:collapse;width:100%;font-size:13px}th,td{text-align:left;vertical-align:top;padding:4px 10px 4px 0;border-bottom:1px solid #e7eaee;overflow-wrap:break-word}td:first-child,.day,.date{white-space:nowrap}
 .n{text-align:right;font-variant-numeric:tabular-nums}.error td:first-child{color:#b3261e;font-weight:600}.warning td:first-child{color:#9a5b00}
 .curve{width:100%;height:auto}.key{margin:4px 0 0;color:#4a5565}.key b{font-weight:600}
 footer{color:#7a8494;padding-bottom:30px}@media print{body{background:#fff}article{break-inside:avoid}}

@@ -110,12 +110,12 @@ fn months_tell_what_starts_ends_and_is_at_work() {
     let [march, april] = &months[..] else { panic!("{months:?}") };
     let counts = |month: &Month| {
         let (_, text) = read(&format!("<a>{}</a>", month_section(&scene, month, "data:,")));
-        let number = |what: &str| {
-            let before = text.split(what).next().unwrap().trim_end();
-            let digits: String = before.chars().rev().take_while(char::is_ascii_digit).collect();
-            digits.parse::<usize>().unwrap()
-        };
-        ["activities start", "activities end", "activities are at work"].map(number)
+        // `2 activities start`, `1 activity ends`, ...
+        let before = text.split(" activit").take(3).map(|before| {
+            let digits = before.bytes().rev().take_while(u8::is_ascii_digit).count();
+            before[before.len() - digits..].parse::<usize>().unwrap()
+        });
+        before.collect::<Vec<_>>()
     };
     // B ends at the midnight after 31 March: in March.
     assert_eq!(counts(march), [2, 1, 2]);
@@ -129,7 +129,8 @@ fn what_is_late_is_listed_and_the_curve_drawn() {
     let page = write(&scene, [DateSet::Planned, DateSet::Actual], &[], &[]);
     assert_eq!(page.late, 1);
     let (_, text) = read(&page.html);
-    assert!(text.contains("Late activities (1)") && text.contains("2026-03-11"), "{text}");
+    // It was to end at the midnight before 11 March.
+    assert!(text.contains("Late activities (1)") && text.contains("2026-03-10"), "{text}");
     // Planned are 10 days and 26: of the 10 all is done on day 40, of the 26 nothing is known.
     let (time, planned, actual) = page.progress.unwrap();
     assert_eq!((time, planned), (day(40), 1.0));
@@ -137,6 +138,18 @@ fn what_is_late_is_listed_and_the_curve_drawn() {
     assert_eq!(page.html.matches("<polyline ").count(), 2);
     let (_, text) = read(&write(&scene, [DateSet::Planned, DateSet::Forecast], &[], &[]).html);
     assert!(text.contains("No activity has both planned and forecast dates"), "{text}");
+}
+
+#[test]
+fn what_should_have_ended_is_late() {
+    let mut scene = hostile_scene();
+    let both = [DateSet::Planned, DateSet::Actual];
+    scene.schedule.activities[0].date_sets[DateSet::Actual].end = None;
+    for (known, late) in [(None, 0), (Some(day(9)), 0), (Some(day(10)), 1)] {
+        scene.schedule.data_date = known;
+        let page = write(&scene, both, &[], &[]);
+        assert_eq!((page.late, page.html.contains("not yet")), (late, late == 1), "{known:?}");
+    }
 }
 
 #[test]
