@@ -121,13 +121,14 @@ impl Report {
 
     fn text(&self) -> String {
         format!(
-            "{file}\n  shows    {from} to {to}\n  film     {frames} frames of {width} x {height} pixels, \
+            "{file}\n  shows    {from} to {to}\n  film     {frames} {frame_word} of {width} x {height} pixels, \
              {length:.1} s at {fps} a second\n  size     {kb} kB as {format} in {files} {file_word}\n  \
              made     in {seconds:.1} s, {each:.0} ms a frame, on {adapter}",
             file = self.file,
             from = self.from,
             to = self.to,
             frames = grouped(self.frames),
+            frame_word = if self.frames == 1 { "frame" } else { "frames" },
             width = self.width,
             height = self.height,
             length = f64::from(self.frames) / self.fps,

@@ -157,7 +157,7 @@ fn summary(scene: &Scene, known: Option<(Time, f64, f64)>) -> String {
         );
     }
     let elements = count(scene.model.elements.len());
-    let _ = write!(text, "{elements} elements</p>\n");
+    let _ = writeln!(text, "{elements} elements</p>");
     if let Some((time, planned, actual)) = known {
         let [planned, actual] = [planned, actual].map(|share| (share * 100.0).round());
         let _ = writeln!(
@@ -273,24 +273,23 @@ fn month_section(scene: &Scene, month: &Month, picture: &str) -> String {
         count(standing),
         if standing == 1 { "element stands" } else { "elements stand" },
     );
-    let mut lists: [([&str; 2], Vec<(Time, &Activity)>); 3] =
-        [["starts", "start"], ["ends", "end"], ["is at work", "are at work"]]
-            .map(|w| (w, Vec::new()));
+    let words = [["starts", "start"], ["ends", "end"], ["is at work", "are at work"]];
+    let mut lists: [Vec<(Time, &Activity)>; 3] = Default::default();
     for activity in schedule.activities.iter().filter(|a| a.active) {
         let Some(dates) = activity.dates() else { continue };
         let last = last(dates.end, Some(dates.start));
         if range.contains(dates.start) {
-            lists[0].1.push((dates.start, activity));
+            lists[0].push((dates.start, activity));
         }
         if range.contains(last) {
-            lists[1].1.push((last, activity));
+            lists[1].push((last, activity));
         }
         if dates.start < range.end && last >= range.start {
-            lists[2].1.push((dates.start, activity));
+            lists[2].push((dates.start, activity));
         }
     }
     text.push_str("<div class=\"lists\">\n");
-    for ([one, several], mut list) in lists {
+    for ([one, several], mut list) in words.into_iter().zip(lists) {
         let what = match list.len() {
             1 => format!("activity {one}"),
             _ => format!("activities {several}"),

@@ -65,7 +65,7 @@ fn read(html: &str) -> (Vec<String>, String) {
                 names.push(String::from_utf8(e.name().as_ref().to_vec()).unwrap());
             }
             Event::End(_) => depth -= 1,
-            Event::Text(t) => text.push_str(&String::from_utf8(t.to_vec()).unwrap()),
+            Event::Text(t) => text.push_str(std::str::from_utf8(&t).unwrap()),
             Event::GeneralRef(r) => {
                 let name = String::from_utf8(r.to_vec()).unwrap();
                 text.push(match &*name {
