@@ -431,7 +431,7 @@ fn no_longer_film(folder: &Path, frames: u32) -> Result<(), FilmError> {
 pub fn encode_png(picture: &Picture, transparent: bool) -> Result<Vec<u8>, image::ImageError> {
     let mut bytes = Vec::new();
     let encoder =
-        PngEncoder::new_with_quality(&mut bytes, CompressionType::Default, FilterType::Adaptive);
+        PngEncoder::new_with_quality(&mut bytes, CompressionType::Fast, FilterType::Adaptive);
     let (w, h) = (picture.width, picture.height);
     match transparent {
         true => encoder.write_image(&picture.rgba, w, h, ExtendedColorType::Rgba8)?,

@@ -299,6 +299,40 @@ fn places_that_cannot_be_written_are_named() {
     assert!(error.to_string().contains("4000 x 16 pixels are more than mp4"), "{error}");
 }
 
+/// A disk with room for so many bytes.
+struct Disk(usize);
+
+impl Write for Disk {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0 = self.0.checked_sub(bytes.len()).ok_or(io::ErrorKind::StorageFull)?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+impl io::Seek for Disk {
+    fn seek(&mut self, _: io::SeekFrom) -> io::Result<u64> {
+        Ok(0)
+    }
+}
+
+#[test]
+fn a_full_disk_is_said() {
+    use crate::output::mp4::Mp4Error;
+    let picture = frame(64, 64, 0);
+    let full = |error: io::Error| assert_eq!(error.kind(), io::ErrorKind::StorageFull);
+    let mut gif = GifWriter::new(Disk(500), [64, 64], 24.0).unwrap();
+    full(gif.push(&picture.rgba).unwrap_err());
+    let mut mp4 = Mp4Writer::new(Disk(100), [64, 64], 24.0).unwrap();
+    let Err(Mp4Error::Write(error)) = mp4.push(&picture.rgba) else { panic!("it had no room") };
+    full(error);
+    let told = FilmError::write(Path::new("a/b.gif"))(io::ErrorKind::StorageFull.into());
+    assert!(told.to_string().starts_with("cannot write a/b.gif: "), "{told}");
+}
+
 #[test]
 fn whole_files_replace_those_before() {
     let dir = tempfile::tempdir().unwrap();
