@@ -136,9 +136,15 @@ fn what_is_interrupted_leaves_nothing() {
         args.extend(project.iter().cloned());
         args.extend(["--frames", "99999", "--size", "320x180"].map(str::to_owned));
         let mut film = command(args).spawn().unwrap();
-        // Some frames in: the place is tried first, too.
-        std::thread::sleep(std::time::Duration::from_secs(3));
-        assert!(!left(&folder).is_empty(), "it is at work");
+        // Some frames in. The place is tried before anything is loaded, so there for a moment means nothing.
+        let pause = || std::thread::sleep(std::time::Duration::from_millis(300));
+        let at_work = (0..200).any(|_| {
+            pause();
+            let once = !left(&folder).is_empty();
+            pause();
+            once && !left(&folder).is_empty()
+        });
+        assert!(at_work);
         let sent =
             std::process::Command::new("kill").args(["-INT", &film.id().to_string()]).status();
         assert!(sent.unwrap().success());

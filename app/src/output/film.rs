@@ -39,7 +39,10 @@ pub enum FilmError {
         found: String,
     },
     /// The format cannot hold pictures of that size.
-    #[error("{}: {width} x {height} pixels are more than {format} can hold ({limit})", path.display())]
+    #[error(
+        "{}: {width} x {height} pixels are more than {format} can hold ({limit}); a folder of PNG files can",
+        path.display()
+    )]
     Size {
         /// The film.
         path: PathBuf,
