@@ -5,6 +5,7 @@ pub mod cli;
 pub mod flip;
 pub mod ideal;
 pub mod memory;
+pub mod output;
 pub mod project;
 pub mod report;
 pub mod tree;

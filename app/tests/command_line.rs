@@ -10,7 +10,7 @@ use std::collections::BTreeSet;
 fn help_names_every_sub_command() {
     let help = topout(["--help"]);
     assert_eq!(help.code, 0);
-    for sub in ["demo", "check", "bake", "render", "bench", "verify"] {
+    for sub in ["demo", "check", "bake", "render", "movie", "report", "bench", "verify"] {
         assert!(help.stdout.contains(&format!("\n  {sub} ")), "{sub} in {}", help.stdout);
         assert_eq!(topout([sub, "--help"]).code, 0);
     }
@@ -22,7 +22,7 @@ fn wrong_use_ends_with_2_and_says_what_was_expected() {
         ("check", "<MODEL>"),
         ("check demo --wrong", "--wrong"),
         ("frobnicate", "frobnicate"),
-        ("movie demo --from 2026-01-01", "--from"),
+        ("movie demo --from 2026-01-01", "-o <DIR|FILE>"),
         ("render demo -o a.png", "--at"),
         ("render demo --at 3.4.2026 -o a.png", "3.4.2026"),
         ("render demo --at 2026-04-03 -o a.png --size big", "1280x720"),

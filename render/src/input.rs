@@ -43,6 +43,17 @@ pub enum Occlusion {
     Gpu,
 }
 
+/// What stands behind the scene.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum Backdrop {
+    /// Sky and ground.
+    #[default]
+    Scenery,
+    /// One sRGB colour. Light and mirrors stay those of the scenery, so over two such colours a picture differs
+    /// by what shines through alone.
+    Plain([u8; 3]),
+}
+
 /// Settings that seldom change.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Options {
@@ -60,6 +71,8 @@ pub struct Options {
     pub occlusion: Occlusion,
     /// For how long levels that follow each other share the pixels; zero: they follow at once.
     pub fade: Duration,
+    /// What stands behind the scene.
+    pub backdrop: Backdrop,
 }
 
 impl Options {
@@ -79,6 +92,7 @@ impl Options {
             culling: true,
             occlusion,
             fade: Duration::ZERO,
+            backdrop: Backdrop::Scenery,
         }
     }
 }

@@ -22,7 +22,7 @@ mod targets;
 mod timing;
 
 pub use gpu::{Gpu, GpuError, device_descriptor, instance_descriptor};
-pub use input::{Antialias, DrawMode, FrameInput, FrameStats, Occlusion, Options};
+pub use input::{Antialias, Backdrop, DrawMode, FrameInput, FrameStats, Occlusion, Options};
 pub use readback::Picture;
 pub use renderer::Renderer;
 pub use shader::{ShaderError, ShaderFolder};

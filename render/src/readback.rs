@@ -11,7 +11,7 @@ pub struct Picture {
     /// Pixels down.
     pub height: u32,
     /// Rows from the top, four bytes a pixel: sRGB red, green, blue, then 255 where an element is
-    /// shown and 0 where there is only sky or ground.
+    /// shown and 0 where there is only the backdrop.
     pub rgba: Vec<u8>,
 }
 

@@ -56,7 +56,8 @@ impl Growth {
 /// An activity weighs as many seconds as it is planned to last and is done evenly from its start to its
 /// end; those that do not happen and those without dates weigh nothing, milestones neither. What is
 /// planned is the planned dates, else the baseline, else those that count. What was actually done grows
-/// from the actual start to the actual end, or, of what is at work, to its percentage at the data date.
+/// from the actual start to the actual end, or, of what is at work, to its percentage at the data date;
+/// to half where no percentage is known.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct SCurve {
     planned: Growth,
@@ -134,7 +135,9 @@ fn actual<'a>(
         let start = dates(a).start.unwrap_or(plan.start).min(until);
         let (end, share) = match dates(a).end {
             Some(end) => (end, 1.0),
-            None => (until, f64::from(a.percent_complete.unwrap_or(0.0).clamp(0.0, 100.0)) / 100.0),
+            None => {
+                (until, f64::from(a.percent_complete.unwrap_or(50.0).clamp(0.0, 100.0)) / 100.0)
+            }
         };
         (weight > 0.0).then_some((TimeRange { start, end: end.max(start) }, weight * share))
     });

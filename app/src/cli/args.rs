@@ -1,5 +1,9 @@
 //! What can be written on the command line. A contract: scripts call it.
 
+mod pictures;
+
+pub use pictures::{Looking, Movie, Page};
+
 use crate::project::{Request, Source};
 use crate::report::is_stdout;
 use clap::builder::{NonEmptyStringValueParser, TypedValueParser};
@@ -52,6 +56,10 @@ pub enum Command {
     Bake(Bake),
     /// Draw one picture at a date.
     Render(Render),
+    /// Make a film of a time: a folder of PNG files, a GIF or an MP4.
+    Movie(Movie),
+    /// Write a page (HTML) with pictures and progress, month by month.
+    Report(Page),
     /// Measure the paper's table here.
     Bench(Bench),
     /// List or clear the trees that were built before.
@@ -283,40 +291,18 @@ pub struct Render {
     #[arg(short, value_name = "FILE.png", value_parser = png)]
     pub output: PathBuf,
 
-    /// Direction to look from, with everything in the frame [default: iso].
-    #[arg(long, value_name = "NAME", value_parser = named_view, conflicts_with_all = ["eye", "target"])]
-    pub view: Option<NamedView>,
+    #[allow(missing_docs)]
+    #[command(flatten)]
+    pub looking: Looking,
 
-    /// Where the camera stands, in the file's coordinates (metres, up is +Y).
-    #[arg(long, value_name = "X,Y,Z", requires = "target", value_parser = point, allow_hyphen_values = true)]
-    pub eye: Option<DVec3>,
-
-    /// What the camera looks at, in the file's coordinates.
-    #[arg(long, value_name = "X,Y,Z", requires = "eye", value_parser = point, allow_hyphen_values = true)]
-    pub target: Option<DVec3>,
-
-    /// How much of the screen the building covers: 1/1, 1/4, 1/16 [default: 1/1].
-    #[arg(long, value_name = "1/N", conflicts_with_all = ["eye", "target"])]
-    pub coverage: Option<Coverage>,
-
-    /// Colour clusters by the level that made them, from violet (fine) to red (coarse); exact
-    /// elements are grey.
+    /// Write date, week and activities at work onto the picture, and what its colours mean.
     #[arg(long)]
-    pub color_levels: bool,
-
-    /// Light of the sun as it stands there at the instant shown, degrees north and east [default: a
-    /// fixed sun].
-    #[arg(long, value_name = "LAT,LON", value_parser = place, allow_hyphen_values = true)]
-    pub sun: Option<Sun>,
+    pub caption: bool,
 
     /// Three pictures beside each other: full detail, the way of --lod, and where the two differ to the eye
     /// (FLIP: black is nowhere, pale is most).
-    #[arg(long)]
+    #[arg(long, conflicts_with_all = ["caption", "background"])]
     pub compare: bool,
-
-    /// Line the elements of this name, label, guid or kind (IfcSlab), as the window does with what is selected.
-    #[arg(long, value_name = "NAME")]
-    pub select: Option<String>,
 
     #[allow(missing_docs)]
     #[command(flatten)]
@@ -679,11 +665,11 @@ mod tests {
     #[test]
     fn cameras_are_read_and_exclude_each_other() {
         let args = render("demo --at 2026-05-04 -o a.png --eye -1,2.5,3 --target 0,0,-7e2");
-        assert_eq!(args.eye, Some(DVec3::new(-1.0, 2.5, 3.0)));
-        assert_eq!(args.target, Some(DVec3::new(0.0, 0.0, -700.0)));
+        assert_eq!(args.looking.eye, Some(DVec3::new(-1.0, 2.5, 3.0)));
+        assert_eq!(args.looking.target, Some(DVec3::new(0.0, 0.0, -700.0)));
         let args = render("demo --at 2026-05-04 -o a.png --view top --coverage 1/16");
-        assert_eq!(args.view, Some(NamedView::Top));
-        assert_eq!(args.coverage.unwrap().distance_factor(), 4.0);
+        assert_eq!(args.looking.view, Some(NamedView::Top));
+        assert_eq!(args.looking.coverage.unwrap().distance_factor(), 4.0);
         for (wrong, kind) in [
             ("--eye 1,2,3", ErrorKind::MissingRequiredArgument),
             ("--eye 1,2,3 --target 0,0,0 --view top", ErrorKind::ArgumentConflict),

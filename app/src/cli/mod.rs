@@ -6,6 +6,8 @@ mod bench;
 mod cache;
 mod check;
 mod demo;
+mod movie;
+mod page;
 mod render;
 mod sections;
 mod slip;
@@ -22,7 +24,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use topout_render::GpuError;
 use topout_scene::demo::DemoError;
-use topout_scene::{Progress, Scene};
+use topout_scene::{Cancelled, Progress, Scene};
 
 /// The data has errors, or a file cannot be used.
 const DATA: u8 = 1;
@@ -30,6 +32,14 @@ const DATA: u8 = 1;
 const WRONG_USE: u8 = 2;
 /// No graphics adapter.
 const NO_ADAPTER: u8 = 3;
+
+/// Ended by Ctrl+C, as shells say it.
+const CANCELLED: u8 = 130;
+
+/// What was asked for makes no sense for this project.
+#[derive(thiserror::Error, Debug)]
+#[error("{0}")]
+struct WrongUse(String);
 
 /// How a sub-command ended, when it did its work.
 enum Outcome {
@@ -51,6 +61,11 @@ pub fn run() -> ExitCode {
         }
         Some(Command::Bake(args)) => bake::run(&args),
         Some(Command::Render(args)) => render::run(&args, started),
+        Some(Command::Movie(args)) => {
+            args.check().unwrap_or_else(|error| error.exit());
+            movie::run(&args)
+        }
+        Some(Command::Report(args)) => page::run(&args),
         Some(Command::Bench(args)) => {
             args.check().unwrap_or_else(|error| error.exit());
             bench::run(&args)
@@ -76,8 +91,10 @@ fn exit_code(error: &anyhow::Error) -> u8 {
         matches!(e.downcast_ref(), Some(GpuError::NoAdapter(_) | GpuError::NoDevice { .. }))
     }) {
         NO_ADAPTER
-    } else if caused_by(|e| e.is::<DemoError>()) {
+    } else if caused_by(|e| e.is::<DemoError>() || e.is::<WrongUse>()) {
         WRONG_USE
+    } else if caused_by(|e| e.is::<Cancelled>()) {
+        CANCELLED
     } else {
         DATA
     }
@@ -87,4 +104,19 @@ fn exit_code(error: &anyhow::Error) -> u8 {
 fn load(request: &project::Request, progress: &Arc<Progress>) -> anyhow::Result<Scene> {
     let _line = terminal::ProgressLine::show(progress);
     project::load(request, progress)
+}
+
+/// From now on Ctrl+C, or what ends a session, asks the work to stop at its next step, so that it can tidy up;
+/// the second time the program ends at once.
+fn stop_on_ctrl_c(progress: &Arc<Progress>) {
+    let progress = Arc::clone(progress);
+    let set = ctrlc::set_handler(move || {
+        if progress.check().is_err() {
+            std::process::exit(CANCELLED.into());
+        }
+        progress.cancel();
+    });
+    if let Err(error) = set {
+        tracing::warn!("Ctrl+C will not tidy up: {error}");
+    }
 }

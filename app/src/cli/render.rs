@@ -1,18 +1,20 @@
 //! `topout render`: one picture at a date.
 
-use super::stage::{Stage, view};
+use super::stage::{Stage, colored, view};
 use super::{Outcome, args};
 use crate::bench::{mode_name, timed};
 use crate::flip::{Difference, rgb};
 use crate::ideal::ideal;
+use crate::output::{Background, Caption, Scribe, Studio};
 use crate::report::{Output, grouped, rounded};
 use anyhow::Context;
+use image::ExtendedColorType;
 use serde::Serialize;
 use serde_json::{Map, Value};
 use std::fmt::Write;
 use std::path::Path;
 use std::time::{Duration, Instant};
-use topout_render::{DrawMode, FrameInput, FrameStats, Options, Picture, Renderer};
+use topout_render::{DrawMode, FrameInput, FrameStats, Picture, Renderer};
 use topout_scene::{ElementId, Scene};
 use topout_schedule::Time;
 
@@ -81,41 +83,45 @@ impl Flip {
     }
 }
 
-/// Colour of the line around what `--select` names: the accent of the window's dark theme.
-const OUTLINE: [u8; 3] = [0x5B, 0x9D, 0xFF];
-
 /// Draws, saves and reports. `started` is the start of the process.
 pub fn run(args: &args::Render, started: Instant) -> anyhow::Result<Outcome> {
     let output = Output::new(args.common.json.clone());
     let mode = args.common.lod.unwrap_or(args::Lod::Hdlod).into();
     let mut stage = Stage::set(&args.common, &[mode], args.caching.cache())?;
-    if args.color_levels {
-        stage.color_levels().context("cannot bring the coloured tree onto the GPU")?;
-    }
-    if let Some(sun) = args.sun {
-        let options = stage.renderer.options();
-        stage.renderer.set_options(Options { sun, ..options });
-    }
-    if let Some(name) = &args.select {
-        stage.renderer.set_selection(&named(&stage.scene, name)?, OUTLINE);
-    }
-    let input = FrameInput { view: view(args, &stage.scene)?, time: args.at, mode };
+    stage.dress(&args.looking)?;
+    let view = view(&args.common, &args.looking, &stage.scene)?;
+    let input = FrameInput { view, time: args.at, mode };
+    let background: Background = args.looking.background.into();
     let renderer = &mut stage.renderer;
-    let picture = stage.phases.time("first picture", || {
-        renderer.render(&input);
-        renderer.read_back()
+    let mut picture = stage.phases.time("first picture", || match args.compare {
+        true => {
+            renderer.render(&input);
+            renderer.read_back()
+        }
+        false => Studio::new(renderer, background).shoot(&input).map(|(picture, _)| picture),
     })?;
+    if args.caption {
+        let caption = Caption::at(&stage.scene, args.at, colored(args.common.colors));
+        Scribe::new().draw(&caption, &mut picture);
+    }
     let first_picture = started.elapsed();
     let (frame_ms, stats) = steady_frame(&mut stage.renderer, &input);
     let flip = if args.compare {
         let full = full_detail(&mut stage.renderer, &input)?;
         let (difference, colors) = Difference::with_colors(&full, &picture)?;
         let parts = [rgb(&full), rgb(&picture), colors];
-        save(&beside(&parts, picture.width), picture.width * 3, picture.height, &args.output)?;
+        let size = [picture.width * 3, picture.height];
+        save(&beside(&parts, picture.width), size, ExtendedColorType::Rgb8, &args.output)?;
         let ideal = ideal(&mut stage.renderer, &input)?;
         Some(Flip::of(&difference, &full, &picture, ideal.as_ref())?)
     } else {
-        save(&rgb(&picture), picture.width, picture.height, &args.output)?;
+        let size = [picture.width, picture.height];
+        match background {
+            Background::Transparent => {
+                save(&picture.rgba, size, ExtendedColorType::Rgba8, &args.output)?;
+            }
+            _ => save(&rgb(&picture), size, ExtendedColorType::Rgb8, &args.output)?,
+        }
         None
     };
     stage.keep_tree();
@@ -124,19 +130,6 @@ pub fn run(args: &args::Render, started: Instant) -> anyhow::Result<Outcome> {
     output.say(&report.text());
     output.write(&report)?;
     Ok(Outcome::Fine)
-}
-
-/// Elements that are called so.
-fn named(scene: &Scene, name: &str) -> anyhow::Result<Vec<ElementId>> {
-    let found: Vec<ElementId> = (0u32..)
-        .zip(&scene.model.elements)
-        .filter(|(_, e)| {
-            [&e.name, &e.label, &e.kind].into_iter().chain(&e.guid).any(|text| text == name)
-        })
-        .map(|(id, _)| ElementId(id))
-        .collect();
-    anyhow::ensure!(!found.is_empty(), "--select: no element is called {name:?}");
-    Ok(found)
 }
 
 /// The shortest of a few frames in milliseconds, and what was drawn in it.
@@ -168,17 +161,15 @@ fn beside(parts: &[Vec<u8>; 3], width: u32) -> Vec<u8> {
     rows.flat_map(|((a, b), c)| [a, b, c].concat()).collect()
 }
 
-/// Writes an opaque PNG of three bytes a pixel.
-fn save(rgb: &[u8], width: u32, height: u32, path: &Path) -> anyhow::Result<()> {
-    image::save_buffer_with_format(
-        path,
-        rgb,
-        width,
-        height,
-        image::ExtendedColorType::Rgb8,
-        image::ImageFormat::Png,
-    )
-    .with_context(|| format!("cannot write {}", path.display()))
+/// Writes a PNG.
+fn save(
+    bytes: &[u8],
+    [width, height]: [u32; 2],
+    color: ExtendedColorType,
+    path: &Path,
+) -> anyhow::Result<()> {
+    image::save_buffer_with_format(path, bytes, width, height, color, image::ImageFormat::Png)
+        .with_context(|| format!("cannot write {}", path.display()))
 }
 
 /// Elements that are there at a date, and their triangles.

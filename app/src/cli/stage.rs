@@ -2,17 +2,18 @@
 
 use super::args::Colors;
 use super::{args, load, terminal};
+use crate::output::caption::Colored;
 use crate::report::rounded;
 use crate::tree::Baked;
 use anyhow::Context;
-use glam::DVec3;
+use glam::{DVec3, UVec2};
 use serde_json::{Map, Value};
 use std::panic::resume_unwind;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use topout_render::{DrawMode, Gpu, GpuError, Options, Renderer};
 use topout_scene::cache::Cache;
-use topout_scene::{Looks, NamedView, Progress, Projection, Scene, View, hdlod};
+use topout_scene::{ElementId, Looks, NamedView, Progress, Projection, Scene, View, hdlod};
 use topout_schedule::DateSet;
 
 /// A scene that can be drawn.
@@ -187,26 +188,90 @@ pub fn bake(
     Ok(Baked::new(scene, &settings, &args.request(), cache, progress)?)
 }
 
-/// The camera that `render`'s options describe.
-pub fn view(args: &args::Render, scene: &Scene) -> anyhow::Result<View> {
-    let size = args.common.size;
-    let view = match (args.eye, args.target) {
-        (Some(eye), Some(target)) => free_view(eye, target, args, scene)?,
-        _ => {
-            let (azimuth, elevation) = args.view.unwrap_or(NamedView::Iso).angles();
-            let factor = args.coverage.unwrap_or_default().distance_factor();
-            View::fit(&scene.focus_bounds(), azimuth, elevation, factor, size)
+/// A line around what `--select` names: the accent of the window's dark theme.
+const OUTLINE: [u8; 3] = [0x5B, 0x9D, 0xFF];
+
+impl Stage {
+    /// Light, colours and lines as the options say.
+    ///
+    /// # Errors
+    /// When the GPU has no room, or nothing has the name that is to be lined.
+    pub fn dress(&mut self, looking: &args::Looking) -> anyhow::Result<()> {
+        if looking.color_levels {
+            self.color_levels().context("cannot bring the coloured tree onto the GPU")?;
         }
-    };
-    Ok(View { tolerance_px: args.common.tolerance, ..view })
+        if let Some(sun) = looking.sun {
+            let options = self.renderer.options();
+            self.renderer.set_options(Options { sun, ..options });
+        }
+        if let Some(name) = &looking.select {
+            self.renderer.set_selection(&named(&self.scene, name)?, OUTLINE);
+        }
+        Ok(())
+    }
 }
 
-fn free_view(
-    eye: DVec3,
-    target: DVec3,
-    args: &args::Render,
+/// Elements that are called so.
+fn named(scene: &Scene, name: &str) -> anyhow::Result<Vec<ElementId>> {
+    let found: Vec<ElementId> = (0u32..)
+        .zip(&scene.model.elements)
+        .filter(|(_, e)| {
+            [&e.name, &e.label, &e.kind].into_iter().chain(&e.guid).any(|text| text == name)
+        })
+        .map(|(id, _)| ElementId(id))
+        .collect();
+    anyhow::ensure!(!found.is_empty(), "--select: no element is called {name:?}");
+    Ok(found)
+}
+
+/// What a caption explains.
+pub fn colored(colors: Colors) -> Colored {
+    match colors {
+        Colors::Own => Colored::Own,
+        Colors::Activity => Colored::Activity,
+        Colors::Slip => Colored::Slip,
+    }
+}
+
+/// The camera that the options describe.
+pub fn view(common: &args::Common, looking: &args::Looking, scene: &Scene) -> anyhow::Result<View> {
+    let view = match (looking.eye, looking.target) {
+        (Some(eye), Some(target)) => free_view(eye, target, common.size, scene)?,
+        _ => fitted(common, looking, scene, 0.0),
+    };
+    Ok(View { tolerance_px: common.tolerance, ..view })
+}
+
+/// The same for a camera that turns by so many degrees: far enough away that everything stays in the frame,
+/// unless it says itself where it stands.
+pub fn turning_view(
+    common: &args::Common,
+    looking: &args::Looking,
     scene: &Scene,
+    turn: f32,
 ) -> anyhow::Result<View> {
+    let mut view = view(common, looking, scene)?;
+    if looking.eye.is_none() {
+        let away = view.eye - view.target;
+        let degrees = (0..=(turn.abs().min(360.0) as u32)).map(|d| (d as f32).copysign(turn));
+        let distances = degrees.map(|d| {
+            let view = fitted(common, looking, scene, d);
+            view.eye.distance(view.target)
+        });
+        let farthest = distances.fold(away.length(), f32::max);
+        view.eye = view.target + away.normalize_or(glam::Vec3::Z) * farthest;
+    }
+    Ok(view)
+}
+
+/// Everything in the frame, from so many degrees beside the direction that is asked for.
+fn fitted(common: &args::Common, looking: &args::Looking, scene: &Scene, beside: f32) -> View {
+    let (azimuth, elevation) = looking.view.unwrap_or(NamedView::Iso).angles();
+    let factor = looking.coverage.unwrap_or_default().distance_factor();
+    View::fit(&scene.focus_bounds(), azimuth + beside, elevation, factor, common.size)
+}
+
+fn free_view(eye: DVec3, target: DVec3, size: UVec2, scene: &Scene) -> anyhow::Result<View> {
     let sight = target - eye;
     anyhow::ensure!(sight.length() > 1e-6, "--eye and --target are the same point");
     let upright = sight.normalize().y.abs() < 0.9999;
@@ -215,7 +280,7 @@ fn free_view(
         target: (target - scene.model.origin).as_vec3(),
         up: if upright { glam::Vec3::Y } else { glam::Vec3::NEG_Z },
         projection: Projection::Perspective { fov_y: View::FOV_Y },
-        size: args.common.size,
-        tolerance_px: args.common.tolerance,
+        size,
+        tolerance_px: 1.0,
     })
 }

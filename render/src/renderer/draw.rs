@@ -4,7 +4,7 @@ use super::{CommandOffsets, Renderer};
 use crate::cull::{self, Culler};
 use crate::draw_list::Commands;
 use crate::frame::FrameUniform;
-use crate::input::DrawMode;
+use crate::input::{Backdrop, DrawMode};
 use crate::pool::{Geometry, INSTANCE_BYTES, LOOK_BYTES, Pool, VERTEX_BYTES};
 use crate::targets::Target;
 use crate::timing::{GpuTimer, Pass};
@@ -20,7 +20,13 @@ impl Renderer {
         culled: bool,
         ground: bool,
     ) {
-        let color = wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT);
+        let plain = match self.options.backdrop {
+            Backdrop::Scenery => None,
+            Backdrop::Plain(color) => Some(color.map(|c| f64::from(c) / 255.0)),
+        };
+        // Marked as what shows no element.
+        let [r, g, b] = plain.unwrap_or_default();
+        let color = wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 254.0 / 255.0 });
         let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some("scene"),
             color_attachments: &[Some(self.scene_color(color, self.has_glass(culled)))],
@@ -39,6 +45,9 @@ impl Renderer {
                 self.draw_left(&mut pass, Layer::Opaque);
             }
             self.draw_fading(&mut pass, pool, self.passes.solid.fading.as_ref(), Layer::Opaque);
+        }
+        if plain.is_some() {
+            return;
         }
         if ground {
             self.passes.ground.draw(&mut pass);

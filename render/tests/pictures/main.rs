@@ -10,7 +10,7 @@ mod site;
 use common::*;
 use glam::{Affine3A, Quat, Vec3};
 use std::sync::Arc;
-use topout_render::{Antialias, DrawMode, FrameInput, Options, Sun};
+use topout_render::{Antialias, Backdrop, DrawMode, FrameInput, Options, Sun};
 use topout_scene::{BehaviourId, ElementId, Progress, Projection, Scene, View, hdlod};
 use topout_schedule::{Behaviour, Time};
 
@@ -457,4 +457,36 @@ fn the_sun_follows_the_clock() {
     assert!(night[2] < noon[2] / 2 + 20 && night[1] > 30, "{night:?} {noon:?}");
     r.set_options(Options { sun: Sun::Fixed, edges: 0.35, ..r.options() });
     assert_eq!(fixed, shot(&mut r, front(), DrawMode::Batched));
+}
+
+/// A cube and a pane of glass before one colour: the colour is where nothing is and shines through the glass, the cube
+/// looks as ever, and what is marked as an element does not change. Black and white differ by what shines through
+/// alone.
+#[test]
+fn one_colour_stands_behind_the_scene() {
+    let mut r = renderer();
+    let pane =
+        part(cube(GLASS), at(1.6, 0.0, 0.0) * Affine3A::from_scale(Vec3::new(0.5, 1.0, 0.02)));
+    r.set_scene(&scene(vec![part(cube(RED), Affine3A::IDENTITY), pane])).unwrap();
+    for antialias in [Antialias::Off, Antialias::Smooth, Antialias::Msaa4] {
+        let options = Options { antialias, backdrop: Backdrop::Scenery, ..r.options() };
+        r.set_options(options);
+        let scenery = shot(&mut r, front(), DrawMode::Batched);
+        let mut over = |color: [u8; 3]| {
+            r.set_options(Options { backdrop: Backdrop::Plain(color), ..options });
+            shot(&mut r, front(), DrawMode::Batched)
+        };
+        let [black, white, odd] = [[0; 3], [255; 3], [10, 200, 77]].map(&mut over);
+        assert_eq!(odd.pixel(2, 2), [10, 200, 77, 0], "{antialias:?}");
+        assert_eq!(odd.pixel(80, 118), [10, 200, 77, 0], "there is no ground");
+        assert_eq!(scenery.pixel(80, 60), odd.pixel(80, 60), "the cube is as ever");
+        let marks = |p: &topout_render::Picture| covered(p);
+        assert_eq!([marks(&black), marks(&white), marks(&odd)], [marks(&scenery); 3]);
+        let glass = (112, 60);
+        let [dark, light] = [black.pixel(glass.0, glass.1), white.pixel(glass.0, glass.1)];
+        assert!(dark[0] + 60 < light[0] && light[0] < 255, "{dark:?} {light:?}");
+        // The same through all three channels.
+        let through = |c: usize| i32::from(light[c]) - i32::from(dark[c]);
+        assert!((through(0) - through(2)).abs() <= 2, "{dark:?} {light:?}");
+    }
 }
