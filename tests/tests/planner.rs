@@ -442,3 +442,87 @@ fn a_step_moves_and_an_idle_window_asks_for_no_frame() {
         viewport.repaint_delay
     );
 }
+
+#[test]
+fn views_are_gone_back_to_saved_and_shown_again() {
+    let mut harness = open();
+    let first = state(&harness).camera;
+    harness.key_press(Key::Num5);
+    harness.run();
+    let top = state(&harness).camera;
+    assert_ne!(top, first);
+    harness.key_press(Key::Backspace);
+    harness.run();
+    assert_eq!(state(&harness).camera, first);
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::Backspace);
+    harness.run();
+    assert_eq!(state(&harness).camera, top);
+
+    apply(&mut harness, Command::Choose(Choose::Only, vec![ElementId(3)]));
+    harness.key_press(Key::X);
+    harness.key_press(Key::V);
+    harness.run();
+    let date = state(&harness).time();
+    apply(&mut harness, Command::ToStart);
+    apply(&mut harness, Command::ShowAll);
+    harness.key_press(Key::Num1);
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::V);
+    harness.run();
+    harness.get_by_label("Go to View 1").click();
+    harness.run();
+    assert_eq!((state(&harness).camera, state(&harness).time()), (top, date));
+    assert_eq!(state(&harness).shown(ElementId(3)), Shown::Hidden);
+    harness.get_by_label("Name of view 1").focus();
+    harness.run();
+    harness.get_by_label("Name of view 1").type_text("!");
+    harness.run();
+    assert!(state(&harness).viewpoints[0].name.contains('!'));
+    harness.get_by_label_contains("Delete ").click();
+    harness.run();
+    assert!(state(&harness).viewpoints.is_empty());
+}
+
+/// Parallel rays pick what is under the pointer, and the cube turns the view.
+#[test]
+fn parallel_projection_draws_and_picks_the_same_pixel() {
+    let mut harness = open();
+    apply(&mut harness, Command::ToEnd);
+    apply(&mut harness, Command::Toggle(Panel::Figures));
+    let perspective = picture(&mut harness);
+    harness.key_press(Key::Num7);
+    harness.run();
+    assert!(state(&harness).camera.parallel);
+    assert!(picture(&mut harness) != perspective);
+    let size = state(&harness).picture;
+    let at = size.as_vec2() * 0.5;
+    let (_, point) = state(&harness).pick(at).expect("the tower is in the middle");
+    assert!(state(&harness).camera.project(point, size).unwrap().distance(at) < 0.5);
+    let before = state(&harness).camera;
+    let cube = harness.get_by_label("View cube").rect();
+    drag(&mut harness, &[cube.center() + egui::vec2(-6.0, 12.0)]);
+    let after = state(&harness).camera;
+    assert!(after.parallel && after.azimuth != before.azimuth, "{after:?}");
+}
+
+#[test]
+fn one_walks_over_the_ground_and_leaves_with_escape() {
+    let mut harness = open();
+    apply(&mut harness, Command::ToEnd);
+    harness.key_press(Key::W);
+    harness.run_steps(2);
+    let start = state(&harness).camera.eye;
+    let colors = state(&harness).colors;
+    harness.key_down(Key::A);
+    harness.run_steps(6);
+    harness.key_up(Key::A);
+    harness.run_steps(2);
+    let end = state(&harness).camera.eye;
+    assert!(start.distance(end) > 1.0, "{start} {end}");
+    assert_eq!(state(&harness).colors, colors, "the key means nothing else");
+    harness.key_press(Key::Escape);
+    harness.run();
+    assert_eq!(state(&harness).navigation, topout::window::Navigation::Orbit);
+    harness.key_press(Key::A);
+    harness.run();
+    assert_ne!(state(&harness).colors, colors);
+}

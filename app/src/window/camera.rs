@@ -28,7 +28,13 @@ pub struct Camera {
     pub reach: f32,
     /// Vertical field of view, radians.
     pub fov_y: f32,
+    /// Rays are parallel; what is `reach` metres away has the size that it has in perspective.
+    pub parallel: bool,
 }
+
+/// How far behind the eye a picture of parallel rays begins, metres: there is no point in cutting off what
+/// is beside one.
+const BEHIND: f32 = 2000.0;
 
 impl Camera {
     /// The standard view `named` that just shows all of `focus` in a picture of `size`.
@@ -39,23 +45,33 @@ impl Camera {
 
     /// The same direction, placed so that it just shows all of `focus`.
     pub fn fit(&self, focus: &Aabb, size: UVec2) -> Self {
-        Self::fit_angles(focus, self.azimuth, self.elevation, size)
+        let fitted = Self::fit_angles(focus, self.azimuth, self.elevation, size);
+        Self { parallel: self.parallel, ..fitted }
     }
 
     fn fit_angles(focus: &Aabb, azimuth: f32, elevation: f32, size: UVec2) -> Self {
         let view = View::fit(focus, azimuth.to_degrees(), elevation.to_degrees(), FIT_MARGIN, size);
         let reach = view.eye.distance(view.target).max(1e-3);
-        Self { eye: view.eye, azimuth, elevation, reach, fov_y: View::FOV_Y }
+        Self { eye: view.eye, azimuth, elevation, reach, fov_y: View::FOV_Y, parallel: false }
+    }
+
+    /// Metres from the foot to the top of the picture at the distance that is looked at.
+    fn height(&self) -> f32 {
+        2.0 * self.reach * (self.fov_y * 0.5).tan()
     }
 
     /// What the renderer needs to know.
     pub fn view(&self, size: UVec2, tolerance_px: f32) -> View {
         let basis = self.basis();
+        let (behind, projection) = match self.parallel {
+            true => (BEHIND, Projection::Orthographic { height: self.height() }),
+            false => (0.0, Projection::Perspective { fov_y: self.fov_y }),
+        };
         View {
-            eye: self.eye,
+            eye: self.eye + basis.z_axis * behind,
             target: self.eye - basis.z_axis * self.reach,
             up: basis.y_axis,
-            projection: Projection::Perspective { fov_y: self.fov_y },
+            projection,
             size: size.max(UVec2::ONE),
             tolerance_px,
         }
@@ -72,24 +88,32 @@ impl Camera {
         )
     }
 
-    /// The direction through a pixel; its component along the line of sight is 1, so that
-    /// `eye + depth * direction` lies at that depth.
-    fn direction_at_depth_1(&self, pixel: Vec2, size: UVec2) -> Vec3 {
+    /// The point under a pixel that is so many metres in front of the eye.
+    fn point_at_depth(&self, pixel: Vec2, size: UVec2, depth: f32) -> Vec3 {
         let size = size.max(UVec2::ONE).as_vec2();
-        let tan = (self.fov_y * 0.5).tan();
-        let x = (2.0 * pixel.x / size.x - 1.0) * tan * size.x / size.y;
-        let y = (1.0 - 2.0 * pixel.y / size.y) * tan;
-        self.basis() * Vec3::new(x, y, -1.0)
+        let x = (2.0 * pixel.x / size.x - 1.0) * size.x / size.y;
+        let y = 1.0 - 2.0 * pixel.y / size.y;
+        let across = match self.parallel {
+            true => self.height() * 0.5,
+            false => depth * (self.fov_y * 0.5).tan(),
+        };
+        self.eye + self.basis() * Vec3::new(x * across, y * across, -depth)
     }
 
-    /// Unit vector of the ray from the eye through a pixel.
-    pub fn ray(&self, pixel: Vec2, size: UVec2) -> Vec3 {
-        self.direction_at_depth_1(pixel, size).normalize()
+    /// Origin and unit vector of the ray through a pixel.
+    pub fn ray(&self, pixel: Vec2, size: UVec2) -> (Vec3, Vec3) {
+        match self.parallel {
+            true => (self.point_at_depth(pixel, size, -BEHIND), -self.basis().z_axis),
+            false => {
+                let ahead = self.point_at_depth(pixel, size, 1.0) - self.eye;
+                (self.eye, ahead.normalize())
+            }
+        }
     }
 
     /// The point under a pixel at the distance that is looked at: stands in where nothing is hit.
     pub fn point_at_reach(&self, pixel: Vec2, size: UVec2) -> Vec3 {
-        self.eye + self.direction_at_depth_1(pixel, size) * self.reach
+        self.point_at_depth(pixel, size, self.reach)
     }
 
     /// Metres of a point in front of the eye, negative behind it.
@@ -100,12 +124,13 @@ impl Camera {
     /// Where a point appears, in pixels; `None` at or behind the eye's plane.
     pub fn project(&self, point: Vec3, size: UVec2) -> Option<Vec2> {
         let p = self.basis().transpose() * (point - self.eye);
-        if p.z >= -1e-4 {
-            return None;
-        }
         let size = size.max(UVec2::ONE).as_vec2();
-        let focal = size.y * 0.5 / (self.fov_y * 0.5).tan();
-        Some(Vec2::new(p.x, -p.y) * focal / -p.z + size * 0.5)
+        let pixels_per_metre = match self.parallel {
+            true => size.y / self.height(),
+            false if p.z >= -1e-4 => return None,
+            false => size.y * 0.5 / (self.fov_y * 0.5).tan() / -p.z,
+        };
+        Some(Vec2::new(p.x, -p.y) * pixels_per_metre + size * 0.5)
     }
 
     /// Turns about `pivot`, which keeps its place on the picture and its distance from the eye.
@@ -125,8 +150,30 @@ impl Camera {
     #[must_use]
     pub fn pan(&self, grabbed: Vec3, from: Vec2, to: Vec2, size: UVec2) -> Self {
         let depth = self.depth(grabbed).max(self.reach * 1e-3);
-        let shift = self.direction_at_depth_1(to, size) - self.direction_at_depth_1(from, size);
-        Self { eye: self.eye - shift * depth, ..*self }
+        let shift = self.point_at_depth(to, size, depth) - self.point_at_depth(from, size, depth);
+        Self { eye: self.eye - shift, ..*self }
+    }
+
+    /// Moves by metres to the right, up and forward, as seen from the eye.
+    #[must_use]
+    pub fn moved(&self, by: Vec3) -> Self {
+        let basis = self.basis();
+        let along = basis.x_axis * by.x + basis.y_axis * by.y - basis.z_axis * by.z;
+        Self { eye: self.eye + along, ..*self }
+    }
+
+    /// Moves by metres to the right and forward over level ground.
+    #[must_use]
+    pub fn walked(&self, right: f32, forward: f32) -> Self {
+        let (sa, ca) = self.azimuth.sin_cos();
+        let along = Vec3::new(ca, 0.0, -sa) * right - Vec3::new(sa, 0.0, ca) * forward;
+        Self { eye: self.eye + along, ..*self }
+    }
+
+    /// Unit vectors to the right, up and towards the viewer, as the picture has them.
+    pub fn axes(&self) -> [Vec3; 3] {
+        let basis = self.basis();
+        [basis.x_axis, basis.y_axis, basis.z_axis]
     }
 
     /// Moves along the line to `point`, which therefore stays where it is on the picture.
@@ -137,6 +184,11 @@ impl Camera {
         let distance = offset.length();
         if distance < 1e-6 || !factor.is_finite() || factor <= 0.0 {
             return *self;
+        }
+        if self.parallel {
+            // Sizes follow the reach alone, and nothing has to be passed through.
+            let reach = (self.reach * factor).clamp(0.01, limit.max(0.1));
+            return Self { eye: point + offset * (reach / self.reach), reach, ..*self };
         }
         let mut next = distance * factor;
         if factor < 1.0 {
@@ -180,9 +232,12 @@ mod tests {
 
     #[test]
     fn a_pixel_s_ray_meets_the_point_that_projects_to_it() {
-        let camera = camera();
-        for pixel in [Vec2::ZERO, Vec2::new(123.0, 456.0), Vec2::new(799.0, 10.0)] {
-            let point = camera.eye + camera.ray(pixel, SIZE) * 37.0;
+        for (camera, pixel) in [false, true].into_iter().flat_map(|parallel| {
+            let pixels = [Vec2::ZERO, Vec2::new(123.0, 456.0), Vec2::new(799.0, 10.0)];
+            pixels.map(|pixel| (Camera { parallel, ..camera() }, pixel))
+        }) {
+            let (origin, direction) = camera.ray(pixel, SIZE);
+            let point = origin + direction * 37.0;
             assert_near(camera.project(point, SIZE).unwrap(), pixel);
             let far = camera.point_at_reach(pixel, SIZE);
             assert!((camera.depth(far) - camera.reach).abs() < 1e-2);
@@ -191,26 +246,30 @@ mod tests {
             let from_matrix = Vec2::new(ndc.x + 1.0, 1.0 - ndc.y) * 0.5 * SIZE.as_vec2();
             assert_near(from_matrix, pixel);
         }
-        assert_eq!(camera.project(camera.eye * 2.0, SIZE), None);
+        assert_eq!(camera().project(camera().eye * 2.0, SIZE), None);
     }
 
     #[test]
     fn zooming_and_panning_keep_the_point_under_the_cursor() {
-        let camera = camera();
         let (from, to) = (Vec2::new(250.0, 140.0), Vec2::new(610.0, 420.0));
-        let point = camera.eye + camera.ray(from, SIZE) * 55.0;
-        for factor in [0.5, 0.9, 1.1, 3.0] {
-            let zoomed = camera.zoom(point, factor, 1e4);
-            assert_near(zoomed.project(point, SIZE).unwrap(), from);
-            assert!((zoomed.eye.distance(point) - 55.0 * factor).abs() < 1e-2);
+        for parallel in [false, true] {
+            let camera = Camera { parallel, ..camera() };
+            let (origin, direction) = camera.ray(from, SIZE);
+            let point = origin + direction * 55.0;
+            for factor in [0.5, 0.9, 1.1, 3.0] {
+                let zoomed = camera.zoom(point, factor, 1e4);
+                assert_near(zoomed.project(point, SIZE).unwrap(), from);
+                let distances = zoomed.eye.distance(point) / camera.eye.distance(point);
+                assert!((distances - factor).abs() < 1e-3);
+            }
+            assert_near(camera.pan(point, from, to, SIZE).project(point, SIZE).unwrap(), to);
         }
-        assert_near(camera.pan(point, from, to, SIZE).project(point, SIZE).unwrap(), to);
     }
 
     #[test]
     fn zooming_in_passes_through_and_zooming_out_ends() {
         let mut camera = camera();
-        let point = camera.eye + camera.ray(Vec2::new(400.0, 300.0), SIZE) * 5.0;
+        let point = camera.eye + camera.ray(Vec2::new(400.0, 300.0), SIZE).1 * 5.0;
         for _ in 0..300 {
             camera = camera.zoom(point, 0.8, 1e3);
             assert!(camera.eye.is_finite() && camera.reach > 0.0);
@@ -229,7 +288,7 @@ mod tests {
     fn orbiting_keeps_the_pivot_in_place_and_at_its_distance() {
         let mut camera = camera();
         let pixel = Vec2::new(300.0, 200.0);
-        let pivot = camera.eye + camera.ray(pixel, SIZE) * 48.0;
+        let pivot = camera.eye + camera.ray(pixel, SIZE).1 * 48.0;
         for step in 0..200 {
             camera = camera.orbit(pivot, 0.11, if step < 120 { 0.03 } else { -0.07 });
             assert!((camera.eye.distance(pivot) - 48.0).abs() < 0.05);

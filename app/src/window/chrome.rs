@@ -20,6 +20,18 @@ const MENUS: [(&str, &[&str]); 6] = [
         &[
             "Fit all",
             "Fit selection",
+            "View before",
+            "View after",
+            "Save viewpoint",
+            "Viewpoints…",
+            "",
+            "Parallel projection",
+            "Walk",
+            "Fly",
+            "Mouse: topout",
+            "Mouse: Navisworks and Revit",
+            "Mouse: Blender",
+            "Mouse: CAD",
             "",
             "Front",
             "Back",
@@ -167,6 +179,8 @@ pub fn is_enabled(state: &AppState, command: &Command) -> bool {
         Command::SetLoop(None) => state.clock.looped().is_some(),
         Command::Undo => state.history.reach().0,
         Command::Redo => state.history.reach().1,
+        Command::ViewBack => state.trail.reach().0,
+        Command::ViewForward => state.trail.reach().1,
         Command::DrawSelection(_) | Command::Isolate(_) | Command::FitSelection => {
             !state.selected.elements().is_empty()
         }
@@ -183,6 +197,10 @@ fn is_on(state: &AppState, command: &Command) -> bool {
         Command::ColorBy(colors) => state.colors == *colors,
         Command::DrawUnscheduled(shown) => state.visibility.unscheduled == *shown,
         Command::ToggleSkipIdle => state.clock.skip_idle,
+        Command::ToggleParallel => state.camera.parallel,
+        Command::Navigate(navigation) => state.navigation == *navigation,
+        Command::SetMouse(mouse) => state.mouse == *mouse,
+        Command::Toggle(Panel::Viewpoints) => state.panels.viewpoints,
         Command::ToggleLevelColors => state.level_colors,
         Command::ToggleFade => state.fade,
         Command::Toggle(Panel::Gantt) => state.panels.gantt,
@@ -208,6 +226,7 @@ fn needs_project(command: &Command) -> bool {
             | Command::OpenDemo
             | Command::Quit
             | Command::ToggleScheme
+            | Command::SetMouse(_)
             | Command::Toggle(Panel::Shortcuts | Panel::Palette)
     )
 }

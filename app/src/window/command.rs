@@ -4,6 +4,7 @@ use super::browser::Browse;
 use super::camera::Camera;
 use super::clock::{Speed, Step};
 use super::gantt::Filter;
+use super::navigation::{Mouse, Navigation};
 use super::selection::Choose;
 use super::shown::ElementColors;
 use super::theme::Scheme;
@@ -28,6 +29,8 @@ pub enum Panel {
     Curves,
     /// Every command, by name.
     Palette,
+    /// Views that are kept by name.
+    Viewpoints,
     /// What is known of the selected element.
     Inspector,
     /// Transport, date and time axis.
@@ -130,6 +133,28 @@ pub enum Command {
     FitSelection,
     /// Look from a standard direction.
     LookFrom(NamedView),
+    /// Look from an azimuth and an elevation in degrees.
+    LookAlong(i16, i16),
+    /// Remember where one looks from, which is about to change.
+    LeaveView,
+    /// Look from where one looked before.
+    ViewBack,
+    /// And from where one looked after that.
+    ViewForward,
+    /// Parallel rays, or perspective.
+    ToggleParallel,
+    /// Which mouse buttons do what.
+    SetMouse(Mouse),
+    /// Around the scene, on foot or in the air; asked again, around it.
+    Navigate(Navigation),
+    /// Keep camera, date, colours and what is hidden under a name.
+    SaveViewpoint,
+    /// Look at what was kept, by its place in the list.
+    ShowViewpoint(usize),
+    /// Call it something else.
+    RenameViewpoint(usize, String),
+    /// Keep it no longer.
+    DeleteViewpoint(usize),
     /// Move the camera as a gesture says.
     MoveCamera(Camera),
     /// Select elements.
@@ -289,6 +314,13 @@ pub fn actions() -> Vec<Action> {
         action(C::DrawUnscheduled(Shown::Whole), "Unscheduled elements: shown", None),
         action(C::DrawUnscheduled(Shown::Ghost), "Unscheduled elements: ghosts", None),
         action(C::DrawUnscheduled(Shown::Hidden), "Unscheduled elements: hidden", None),
+        action(C::ViewBack, "View before", Some(S::key(Key::Backspace))),
+        action(C::ViewForward, "View after", Some(S::shift(Key::Backspace))),
+        action(C::SaveViewpoint, "Save viewpoint", Some(S::key(Key::V))),
+        action(C::Toggle(Panel::Viewpoints), "Viewpoints…", Some(S::shift(Key::V))),
+        action(C::ToggleParallel, "Parallel projection", Some(S::key(Key::Num7))),
+        action(C::Navigate(Navigation::Walk), "Walk", Some(S::key(Key::W))),
+        action(C::Navigate(Navigation::Fly), "Fly", Some(S::shift(Key::W))),
         action(C::LookFrom(NamedView::Front), "Front", Some(S::key(Key::Num1))),
         action(C::LookFrom(NamedView::Back), "Back", Some(S::key(Key::Num2))),
         action(C::LookFrom(NamedView::Left), "Left", Some(S::key(Key::Num3))),
@@ -341,11 +373,14 @@ pub fn actions() -> Vec<Action> {
         action(C::Toggle(Panel::Table), "HDLOD table…", Some(S::command(Key::T))),
         action(C::Toggle(Panel::Shortcuts), "Keyboard shortcuts", Some(S::key(Key::F1))),
     ]
+    .into_iter()
+    .chain(Mouse::ALL.map(|(mouse, name)| action(C::SetMouse(mouse), name, None)))
+    .collect()
 }
 
 /// The commands that this frame's key presses ask for. Nothing while a text is being typed or a
-/// menu is open, which Escape and the arrows belong to.
-pub fn from_keys(ctx: &egui::Context) -> Vec<Command> {
+/// menu is open, which Escape and the arrows belong to; nor what moves one while walking.
+pub fn from_keys(ctx: &egui::Context, navigation: Navigation) -> Vec<Command> {
     // Escape takes the focus from a field before anybody else sees it.
     let typed = egui::Id::unique("typing");
     let (now, before) = (typing(ctx), ctx.data(|data| data.get_temp(typed).unwrap_or(false)));
@@ -360,6 +395,9 @@ pub fn from_keys(ctx: &egui::Context) -> Vec<Command> {
             let egui::Event::Key { key, pressed: true, modifiers, repeat, .. } = event else {
                 return true;
             };
+            if navigation.uses(*key) && !modifiers.command {
+                return true;
+            }
             let found = actions.iter().find(|a| {
                 a.shortcut.is_some_and(|s| s.key == *key && modifiers.matches_exact(s.modifiers))
             });

@@ -10,6 +10,7 @@ mod chrome;
 mod clock;
 mod coloring;
 mod command;
+mod cube;
 mod finder;
 mod frames;
 mod gantt;
@@ -17,6 +18,7 @@ mod graph;
 mod history;
 mod inspector;
 mod loading;
+mod navigation;
 mod overlay;
 mod reload;
 mod selection;
@@ -26,6 +28,7 @@ mod sun;
 mod table;
 mod theme;
 mod timeline;
+mod viewpoints;
 mod viewport;
 mod visibility;
 
@@ -36,6 +39,7 @@ pub use clock::{Clock, Run, Speed, Step};
 pub use command::{Action, Command, Panel, Shortcut, actions};
 pub use frames::FrameLog;
 pub use gantt::{Filter, Gantt, Plan};
+pub use navigation::{Mouse, Navigation};
 pub use selection::{Choose, Selected};
 pub use shown::ElementColors;
 pub use state::AppState;
@@ -146,6 +150,14 @@ impl Window {
         &mut self.state
     }
 
+    /// Moves on foot or in the air, while its keys are down and nothing is typed.
+    fn steer(&mut self, ctx: &egui::Context, seconds: f32) -> bool {
+        if self.state.navigation == Navigation::Orbit || ctx.egui_wants_keyboard_input() {
+            return false;
+        }
+        ctx.input(|i| self.state.steer(seconds, i.modifiers.shift, |key| i.key_down(key)))
+    }
+
     fn take_effects(&mut self, ctx: &egui::Context) {
         for effect in std::mem::take(&mut self.state.effects) {
             match effect {
@@ -194,6 +206,7 @@ impl Window {
         chrome::diagnostics(ui.ctx(), state, commands);
         chrome::shortcuts(ui.ctx(), state, commands);
         table::show(ui.ctx(), state, commands);
+        viewpoints::show(ui.ctx(), state, commands);
         finder::show(ui.ctx(), state, commands);
     }
 }
@@ -208,7 +221,8 @@ impl eframe::App for Window {
         let seconds = ctx.input(|i| i.stable_dt.min(LONGEST_STEP));
         self.state.advance(f64::from(seconds));
         self.state.refresh();
-        let mut commands = command::from_keys(&ctx);
+        let mut commands = command::from_keys(&ctx, self.state.navigation);
+        let moving = self.steer(&ctx, seconds);
         let dropped = dropped_files(&ctx);
         if !dropped.is_empty() {
             commands.push(Command::OpenFiles(dropped));
@@ -241,7 +255,7 @@ impl eframe::App for Window {
             self.state.apply(command);
         }
         self.take_effects(&ctx);
-        if changed || self.state.clock.is_playing() || self.viewport.is_fading() {
+        if changed || moving || self.state.clock.is_playing() || self.viewport.is_fading() {
             // The panels were drawn before the change.
             ctx.request_repaint();
         } else if self.is_busy() {

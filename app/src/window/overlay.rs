@@ -1,6 +1,7 @@
 //! What floats in the corners of the 3D view: figures, standard views, progress and messages.
 
 use super::command::{Command, Panel, keys_of};
+use super::cube;
 use super::loading::Job;
 use super::state::{AppState, Tree};
 use super::theme::{SMALL, palette};
@@ -29,7 +30,7 @@ pub fn show(ui: &mut Ui, place: Rect, state: &AppState, commands: &mut Vec<Comma
     if state.project.is_none() {
         return;
     }
-    corner(ui, inner, Align2::RIGHT_TOP, "views", |ui| views(ui, commands));
+    corner(ui, inner, Align2::RIGHT_TOP, "views", |ui| views(ui, state, commands));
     corner(ui, inner, Align2::LEFT_BOTTOM, "legend", |ui| legend(ui, state, commands));
     if state.panels.figures {
         corner(ui, inner, Align2::RIGHT_BOTTOM, "figures", |ui| figures(ui, state, commands));
@@ -103,28 +104,26 @@ fn legend(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     });
 }
 
-fn views(ui: &mut Ui, commands: &mut Vec<Command>) {
-    card(ui).inner_margin(Margin::same(2)).show(ui, |ui| {
-        ui.spacing_mut().item_spacing.x = 0.0;
-        ui.horizontal(|ui| {
-            let named = |v: NamedView, name| (Command::LookFrom(v), name, "Look from this side");
-            let buttons = [
-                named(NamedView::Front, "Front"),
-                named(NamedView::Back, "Back"),
-                named(NamedView::Left, "Left"),
-                named(NamedView::Right, "Right"),
-                named(NamedView::Top, "Top"),
-                named(NamedView::Iso, "Iso"),
-                (Command::Fit, "Fit", "Show everything"),
-            ];
-            for (command, name, tip) in buttons {
-                let button = egui::Button::new(RichText::new(name).size(SMALL)).frame(true);
-                let button = button.frame_when_inactive(false);
-                let tip = format!("{tip} ({})", keys_of(&command));
-                if ui.add(button).on_hover_text(tip).clicked() {
-                    commands.push(command);
+/// The view cube, and what shows everything.
+fn views(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    ui.vertical_centered(|ui| {
+        ui.set_max_width(84.0);
+        cube::show(ui, state, commands);
+        card(ui).inner_margin(Margin::same(2)).show(ui, |ui| {
+            ui.spacing_mut().item_spacing.x = 0.0;
+            ui.horizontal(|ui| {
+                for (command, name, tip) in [
+                    (Command::LookFrom(NamedView::Iso), "Iso", "Look from the standard corner"),
+                    (Command::Fit, "Fit", "Show everything"),
+                ] {
+                    let button = egui::Button::new(RichText::new(name).size(SMALL)).frame(true);
+                    let button = button.frame_when_inactive(false);
+                    let tip = format!("{tip} ({})", keys_of(&command));
+                    if ui.add(button).on_hover_text(tip).clicked() {
+                        commands.push(command);
+                    }
                 }
-            }
+            });
         });
     });
 }

@@ -12,6 +12,8 @@ pub struct Panels {
     /// See [`super::command::Panel`].
     pub palette: bool,
     /// See [`super::command::Panel`].
+    pub viewpoints: bool,
+    /// See [`super::command::Panel`].
     pub inspector: bool,
     /// See [`super::command::Panel`].
     pub timeline: bool,
@@ -36,6 +38,7 @@ impl Default for Panels {
             tree: false,
             curves: true,
             palette: false,
+            viewpoints: false,
             inspector: true,
             timeline: true,
             figures: true,

@@ -5,6 +5,7 @@
 
 use super::camera::Camera;
 use super::command::{Command, actions};
+use super::navigation::{Drag, Navigation};
 use super::selection::Choose;
 use super::state::{AppState, Tree};
 use super::theme::palette;
@@ -21,6 +22,8 @@ use topout_scene::{Aabb, Category, ElementId, Hdlod, Looks, Scene, hdlod};
 const FADE: Duration = Duration::from_millis(200);
 /// Nearer (below 1) per notch of a mouse wheel.
 const ZOOM_PER_NOTCH: f32 = 0.82;
+/// After so many seconds without, turning the wheel is another move.
+const WHEEL_RESTS: f64 = 0.7;
 /// Scrolled points that count as one notch, on devices that scroll by points.
 const POINTS_PER_NOTCH: f32 = 50.0;
 
@@ -39,6 +42,8 @@ pub struct Viewport {
     fading: bool,
     drawn: Option<(FrameInput, Marked)>,
     gesture: Option<Gesture>,
+    /// When the wheel turned last, seconds.
+    zoomed: f64,
     /// The shaders' files are looked at, and when that was done last.
     #[cfg(debug_assertions)]
     shaders: (topout_render::ShaderFolder, std::time::Instant),
@@ -50,21 +55,13 @@ type Marked = (Vec<ElementId>, [u8; 3]);
 /// A drag: what was under the pointer when the button went down.
 #[derive(Clone, Copy)]
 struct Gesture {
-    kind: Kind,
+    kind: Drag,
     /// The camera at the start.
     camera: Camera,
     /// Where the button went down, pixels.
     from: Vec2,
     /// The pivot or the grabbed point.
     point: Vec3,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Kind {
-    Orbit,
-    Pan,
-    /// Select what is within a rectangle.
-    Frame,
 }
 
 impl Viewport {
@@ -83,6 +80,7 @@ impl Viewport {
             fading: false,
             drawn: None,
             gesture: None,
+            zoomed: f64::NEG_INFINITY,
             #[cfg(debug_assertions)]
             shaders: (topout_render::ShaderFolder::of_source(), std::time::Instant::now()),
         }
@@ -151,37 +149,44 @@ impl Viewport {
         if response.drag_started()
             && let Some(origin) = origin
         {
-            let primary = response.drag_started_by(PointerButton::Primary);
-            let kind = match (primary, modifiers.command, modifiers.shift) {
-                (true, true, _) => Kind::Frame,
-                (true, false, false) => Kind::Orbit,
-                _ => Kind::Pan,
+            let buttons = [PointerButton::Primary, PointerButton::Middle, PointerButton::Secondary];
+            let button = buttons.into_iter().find(|button| response.drag_started_by(*button));
+            let kind = match (button, state.navigation) {
+                (Some(PointerButton::Primary), Navigation::Walk | Navigation::Fly) => Drag::Look,
+                (Some(button), _) => state.mouse.drag(button, modifiers),
+                (None, _) => Drag::Pan,
             };
+            if kind != Drag::Frame {
+                commands.push(Command::LeaveView);
+            }
             let from = pixel(origin);
             let fallback = match (kind, &state.project) {
-                (Kind::Orbit, Some(project)) if !project.focus.is_empty() => project.focus.center(),
+                (Drag::Orbit, Some(project)) if !project.focus.is_empty() => project.focus.center(),
                 _ => state.camera.point_at_reach(from, state.picture),
             };
             let point = state.pick(from).map_or(fallback, |(_, point)| point);
             self.gesture = Some(Gesture { kind, camera: state.camera, from, point });
         }
         if let (Some(gesture), true, Some(now)) = (self.gesture, response.dragged(), now) {
+            let turn = std::f32::consts::PI / state.picture.y as f32;
+            let turned = response.drag_delta() * ui.ctx().pixels_per_point() * turn;
             let camera = match gesture.kind {
-                Kind::Orbit => {
-                    let moved = response.drag_delta() * ui.ctx().pixels_per_point();
-                    let turn = std::f32::consts::PI / state.picture.y as f32;
-                    state.camera.orbit(gesture.point, -moved.x * turn, moved.y * turn)
-                }
-                Kind::Pan => {
+                Drag::Orbit => state.camera.orbit(gesture.point, -turned.x, turned.y),
+                Drag::Look => state.camera.orbit(state.camera.eye, -turned.x, turned.y),
+                Drag::Pan => {
                     gesture.camera.pan(gesture.point, gesture.from, pixel(now), state.picture)
                 }
-                Kind::Frame => state.camera,
+                Drag::Zoom => {
+                    let factor = 1.0 + turned.y.clamp(-0.5, 0.5);
+                    state.camera.zoom(gesture.point, factor, state.far_limit())
+                }
+                Drag::Frame => state.camera,
             };
             commands.push(Command::MoveCamera(camera));
         }
         if response.drag_stopped()
             && let Some(gesture) = self.gesture.take()
-            && let (Kind::Frame, Some(now)) = (gesture.kind, now)
+            && let (Drag::Frame, Some(now)) = (gesture.kind, now)
         {
             let found = state.within(gesture.from, pixel(now));
             let how = if modifiers.shift { Choose::Add } else { Choose::Only };
@@ -212,6 +217,12 @@ impl Viewport {
                 None => state.camera.point_at_reach(at, state.picture),
             };
             let camera = state.camera.zoom(point, factor, state.far_limit());
+            // A wheel that turns on is one move.
+            let now = ui.input(|i| i.time);
+            if now - self.zoomed > WHEEL_RESTS {
+                commands.push(Command::LeaveView);
+            }
+            self.zoomed = now;
             commands.push(Command::MoveCamera(camera));
         }
         commands
@@ -376,7 +387,7 @@ impl Viewport {
                 }
             }
         }
-        if let (Some(Gesture { kind: Kind::Frame, from, .. }), Some(to)) =
+        if let (Some(Gesture { kind: Drag::Frame, from, .. }), Some(to)) =
             (self.gesture, ui.input(|i| i.pointer.latest_pos()))
         {
             let color = palette(ui).accent;
@@ -384,7 +395,7 @@ impl Viewport {
             painter.rect_filled(frame, 0.0, color.gamma_multiply(0.12));
             painter.rect_stroke(frame, 0.0, Stroke::new(1.0, color), egui::StrokeKind::Inside);
         }
-        if let Some(Gesture { kind: Kind::Orbit, point, .. }) = self.gesture
+        if let Some(Gesture { kind: Drag::Orbit, point, .. }) = self.gesture
             && let Some(at) = state.camera.project(point, state.picture)
         {
             painter.circle_filled(position(at), 3.0, palette(ui).accent);

@@ -12,12 +12,14 @@ use super::frames::FrameLog;
 use super::gantt::Gantt;
 use super::history::{Change, History};
 use super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, Stamp, Wake};
+use super::navigation::{EYES_M, Mouse, Navigation};
 use super::reload::{Refining, TreeChange};
 use super::selection::{Choose, Selected};
 use super::shown::{ElementColors, Panels};
 use super::table::Table;
 use super::theme::Scheme;
 use super::timeline::Scale;
+use super::viewpoints::{Trail, Viewpoint};
 use super::visibility::{Shown, Visibility};
 use crate::project::{self, Request};
 use crate::report::describe;
@@ -115,6 +117,14 @@ pub struct AppState {
 
     /// Where one looks from.
     pub camera: Camera,
+    /// Where one looked from before.
+    pub trail: Trail,
+    /// Views that are kept.
+    pub viewpoints: Vec<Viewpoint>,
+    /// Which mouse buttons do what.
+    pub mouse: Mouse,
+    /// How one moves.
+    pub navigation: Navigation,
     /// Size of the 3D view, physical pixels.
     pub picture: UVec2,
     /// The camera still stands where a fit put it, so a change of the window's size fits again.
@@ -176,6 +186,10 @@ impl AppState {
             gantt: Gantt::default(),
             browser: Browser::default(),
             camera: Camera::fit_named(&Default::default(), NamedView::Iso, picture),
+            trail: Trail::default(),
+            viewpoints: Vec::new(),
+            mouse: Mouse::default(),
+            navigation: Navigation::default(),
             picture,
             fitted: true,
             mode: DrawMode::Hdlod,
@@ -296,11 +310,52 @@ impl AppState {
                 }
             }
 
-            Command::Fit => self.fit(),
+            Command::Fit => {
+                self.trail.leave(self.camera);
+                self.fit();
+            }
             Command::FitSelection => self.fit_selection(),
-            Command::LookFrom(named) => self.look_from(named),
+            Command::LookFrom(named) => {
+                self.trail.leave(self.camera);
+                self.look_from(named);
+            }
+            Command::LookAlong(azimuth, elevation) => {
+                self.trail.leave(self.camera);
+                let [azimuth, elevation] = [azimuth, elevation].map(|a| f32::from(a).to_radians());
+                self.camera = Camera { azimuth, elevation, ..self.camera };
+                self.fit();
+            }
+            Command::LeaveView => self.trail.leave(self.camera),
+            Command::ViewBack => self.step_view(true),
+            Command::ViewForward => self.step_view(false),
+            Command::ToggleParallel => self.camera.parallel = !self.camera.parallel,
+            Command::SetMouse(mouse) => self.mouse = mouse,
+            Command::Navigate(wanted) => {
+                let off = self.navigation == wanted;
+                self.navigation = if off { Navigation::Orbit } else { wanted };
+                if !off {
+                    self.trail.leave(self.camera);
+                    self.camera.parallel = false;
+                }
+                self.stand();
+            }
+            Command::SaveViewpoint => self.save_viewpoint(),
+            Command::ShowViewpoint(i) => self.show_viewpoint(i),
+            Command::RenameViewpoint(i, name) => {
+                if let Some(viewpoint) = self.viewpoints.get_mut(i) {
+                    viewpoint.name = name;
+                }
+            }
+            Command::DeleteViewpoint(i) => {
+                if i < self.viewpoints.len() {
+                    self.viewpoints.remove(i);
+                }
+            }
             Command::MoveCamera(camera) => self.move_camera(camera),
             Command::Choose(how, elements) => self.choose(how, elements),
+            Command::ClearSelection if self.navigation != Navigation::Orbit => {
+                self.navigation = Navigation::Orbit;
+            }
             Command::ClearSelection => self.selected = Selected::default(),
             Command::SelectActivity(activity) => self.select_activity(activity),
             Command::SelectSummary(summary) => self.select_summary(summary),
@@ -551,8 +606,8 @@ impl AppState {
     /// The point of a present element under a pixel.
     pub fn pick(&self, pixel: glam::Vec2) -> Option<(ElementId, Vec3)> {
         let project = self.project.as_ref()?;
-        let direction = self.camera.ray(pixel, self.picture);
-        let (scene, eye, time) = (&project.scene, self.camera.eye, self.time());
+        let (eye, direction) = self.camera.ray(pixel, self.picture);
+        let (scene, time) = (&project.scene, self.time());
         let whole = |id| self.visibility.of(scene, id) == Shown::Whole;
         let hit = project.picker.pick_among(scene, eye, direction, time, whole)?;
         Some((hit.element, hit.point))
@@ -603,6 +658,8 @@ impl AppState {
         if !same_models {
             self.visibility = Visibility::default();
             self.history = History::default();
+            self.trail = Trail::default();
+            self.viewpoints.clear();
         }
         self.gantt = Gantt::of(&project);
         self.error = None;
@@ -656,6 +713,60 @@ impl AppState {
         }
     }
 
+    fn step_view(&mut self, back: bool) {
+        if let Some(camera) = self.trail.step(back, self.camera) {
+            self.move_camera(camera);
+        }
+    }
+
+    fn save_viewpoint(&mut self) {
+        let Some(project) = &self.project else { return };
+        let name = format!("View {}", self.viewpoints.len() + 1);
+        self.news = Some(format!("{name} is saved: {}", project.calendar.headline(self.time())));
+        self.viewpoints.push(Viewpoint {
+            name,
+            camera: self.camera,
+            time: self.time(),
+            visibility: self.visibility.clone(),
+            colors: self.colors,
+        });
+    }
+
+    fn show_viewpoint(&mut self, i: usize) {
+        let Some(viewpoint) = self.viewpoints.get(i).cloned() else { return };
+        self.trail.leave(self.camera);
+        self.move_camera(viewpoint.camera);
+        self.clock.pause();
+        self.clock.jump(viewpoint.time);
+        self.follow_clock();
+        self.colors = viewpoint.colors;
+        self.set_visibility(viewpoint.visibility);
+    }
+
+    /// Walks or flies on for `seconds`, with these keys down; whether one moved.
+    pub fn steer(&mut self, seconds: f32, fast: bool, down: impl Fn(egui::Key) -> bool) -> bool {
+        let steered = self.navigation.steered(&self.camera, seconds, fast, down);
+        if let Some(camera) = steered {
+            self.move_camera(camera);
+            self.stand();
+        }
+        steered.is_some()
+    }
+
+    /// On foot one stands on what is there below, as far as it is no more than a step up or one looks down
+    /// on it.
+    fn stand(&mut self) {
+        let (Navigation::Walk, Some(project)) = (self.navigation, &self.project) else { return };
+        let scene = &project.scene;
+        let whole = |id| self.visibility.of(scene, id) == Shown::Whole;
+        let (eye, time) = (self.camera.eye, self.time());
+        let hit = project.picker.pick_among(scene, eye, Vec3::NEG_Y, time, whole);
+        if let Some(hit) = hit {
+            let standing = Camera { eye: hit.point + Vec3::Y * EYES_M, ..self.camera };
+            self.move_camera(standing);
+        }
+    }
+
     fn fit(&mut self) {
         if let Some(project) = &self.project {
             self.camera = self.camera.fit(&project.focus, self.picture);
@@ -671,13 +782,16 @@ impl AppState {
         if !bounds.is_empty() {
             // Some of its surroundings help to see where it is.
             let around = bounds.grown(bounds.diameter().max(0.5) * 0.5);
+            self.trail.leave(self.camera);
             self.move_camera(self.camera.fit(&around, self.picture));
         }
     }
 
     fn look_from(&mut self, named: NamedView) {
         if let Some(project) = &self.project {
-            self.camera = Camera::fit_named(&project.focus, named, self.picture);
+            let parallel = self.camera.parallel;
+            let fitted = Camera::fit_named(&project.focus, named, self.picture);
+            self.camera = Camera { parallel, ..fitted };
             self.fitted = true;
         }
     }
@@ -688,6 +802,7 @@ impl AppState {
             Panel::Tree => &mut self.panels.tree,
             Panel::Curves => &mut self.panels.curves,
             Panel::Palette => &mut self.panels.palette,
+            Panel::Viewpoints => &mut self.panels.viewpoints,
             Panel::Inspector => &mut self.panels.inspector,
             Panel::Timeline => &mut self.panels.timeline,
             Panel::Figures => &mut self.panels.figures,
