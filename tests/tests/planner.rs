@@ -526,3 +526,42 @@ fn one_walks_over_the_ground_and_leaves_with_escape() {
     harness.run();
     assert_ne!(state(&harness).colors, colors);
 }
+
+/// A picture, a film and a report of what is shown are saved from the window; what cannot be written is
+/// named, and nothing is lost.
+#[test]
+fn pictures_films_and_reports_are_saved() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut harness = open();
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::E);
+    harness.run();
+    let mut wanted = state(&harness).export.clone();
+    wanted.size = [128, 72];
+    wanted.frames = 3;
+    for (product, name, begins) in [
+        ("Picture", "now.png", &b"\x89PNG"[..]),
+        ("Film", "film.gif", b"GIF89a"),
+        ("Report", "page.html", b"<!DOCTYPE html>"),
+    ] {
+        harness.get_by_label(product).click();
+        harness.run();
+        let file = folder.path().join(name);
+        wanted.product = state(&harness).export.product;
+        wanted.file = file.display().to_string();
+        apply(&mut harness, Command::SetExport(Box::new(wanted.clone())));
+        harness.get_by_label("Save").click();
+        harness.step();
+        settle(&mut harness);
+        assert_eq!(state(&harness).error, None);
+        assert!(state(&harness).news.as_ref().unwrap().contains(name));
+        assert!(std::fs::read(&file).unwrap().starts_with(begins), "{name}");
+    }
+    wanted.file = folder.path().join("nowhere/at all.png").display().to_string();
+    wanted.product = topout::window::Product::Picture;
+    apply(&mut harness, Command::SetExport(Box::new(wanted)));
+    harness.get_by_label("Save").click();
+    harness.step();
+    settle(&mut harness);
+    assert!(state(&harness).error.as_ref().unwrap().contains("at all.png"));
+    assert!(state(&harness).project.is_some());
+}

@@ -13,7 +13,16 @@ use topout_schedule::Severity;
 const MENUS: [(&str, &[&str]); 6] = [
     (
         "File",
-        &["Open model…", "Open schedule…", "Reload schedule", "Open demo project", "", "Quit"],
+        &[
+            "Open model…",
+            "Open schedule…",
+            "Reload schedule",
+            "Open demo project",
+            "",
+            "Export…",
+            "",
+            "Quit",
+        ],
     ),
     (
         "View",
@@ -201,6 +210,7 @@ fn is_on(state: &AppState, command: &Command) -> bool {
         Command::Navigate(navigation) => state.navigation == *navigation,
         Command::SetMouse(mouse) => state.mouse == *mouse,
         Command::Toggle(Panel::Viewpoints) => state.panels.viewpoints,
+        Command::Toggle(Panel::Export) => state.panels.export,
         Command::ToggleLevelColors => state.level_colors,
         Command::ToggleFade => state.fade,
         Command::Toggle(Panel::Gantt) => state.panels.gantt,

@@ -3,6 +3,7 @@
 use super::browser::Browse;
 use super::camera::Camera;
 use super::clock::{Speed, Step};
+use super::export::Export;
 use super::gantt::Filter;
 use super::navigation::{Mouse, Navigation};
 use super::selection::Choose;
@@ -31,6 +32,8 @@ pub enum Panel {
     Palette,
     /// Views that are kept by name.
     Viewpoints,
+    /// Pictures, films and reports.
+    Export,
     /// What is known of the selected element.
     Inspector,
     /// Transport, date and time axis.
@@ -204,6 +207,15 @@ pub enum Command {
     /// Dark to light and back.
     ToggleScheme,
 
+    /// What of the shown project is to be saved, and how.
+    SetExport(Box<Export>),
+    /// Ask where to.
+    BrowseExport,
+    /// Save it.
+    StartExport,
+    /// Stop saving; nothing is left of it.
+    CancelExport,
+
     /// Measure the paper's table on the current model.
     MeasureTable,
     /// Stop measuring.
@@ -299,6 +311,7 @@ pub fn actions() -> Vec<Action> {
         action(C::OpenSchedule, "Open schedule…", Some(S::command_shift(Key::O))),
         action(C::ReloadSchedule, "Reload schedule", Some(S::command(Key::R))),
         action(C::OpenDemo, "Open demo project", Some(S::command(Key::D))),
+        action(C::Toggle(Panel::Export), "Export…", Some(S::command(Key::E))),
         action(C::Quit, "Quit", Some(S::command(Key::Q))),
         action(C::Undo, "Undo", Some(S::command(Key::Z))),
         action(C::Redo, "Redo", Some(S::command_shift(Key::Z))),

@@ -57,7 +57,7 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         };
         let stroke = Stroke::new(1.0, colors.line);
         painter.add(Shape::convex_polygon(corners.to_vec(), fill.gamma_multiply(0.94), stroke));
-        if facing > 0.4 {
+        if facing > 0.55 {
             let color = if hovered { Color32::WHITE } else { colors.text };
             let font = FontId::proportional(SMALL);
             painter.text(at(side.normal), Align2::CENTER_CENTER, side.name, font, color);

@@ -286,6 +286,8 @@ pub enum Ask {
 pub enum Answer {
     /// Files.
     Chosen(Vec<PathBuf>),
+    /// The place of a file that is to be written.
+    Place(PathBuf),
     /// The user closed it.
     Closed,
     /// A file that was written, or why it could not be.

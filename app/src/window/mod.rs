@@ -11,6 +11,7 @@ mod clock;
 mod coloring;
 mod command;
 mod cube;
+mod export;
 mod finder;
 mod frames;
 mod gantt;
@@ -37,6 +38,7 @@ pub use calendar::Calendar;
 pub use camera::Camera;
 pub use clock::{Clock, Run, Speed, Step};
 pub use command::{Action, Command, Panel, Shortcut, actions};
+pub use export::{Export, Product};
 pub use frames::FrameLog;
 pub use gantt::{Filter, Gantt, Plan};
 pub use navigation::{Mouse, Navigation};
@@ -207,6 +209,7 @@ impl Window {
         chrome::shortcuts(ui.ctx(), state, commands);
         table::show(ui.ctx(), state, commands);
         viewpoints::show(ui.ctx(), state, commands);
+        export::show(ui.ctx(), state, commands);
         finder::show(ui.ctx(), state, commands);
     }
 }

@@ -235,6 +235,9 @@ fn notices(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         Tree::Ready(tree) => refining(ui, state, tree, commands),
         Tree::None => {}
     }
+    if let Some(job) = &state.exporting {
+        working(ui, "Saving", job, Command::CancelExport, commands);
+    }
     if let Some(news) = &state.news {
         card(ui).show(ui, |ui| {
             ui.set_max_width(420.0);

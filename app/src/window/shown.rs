@@ -12,6 +12,8 @@ pub struct Panels {
     /// See [`super::command::Panel`].
     pub palette: bool,
     /// See [`super::command::Panel`].
+    pub export: bool,
+    /// See [`super::command::Panel`].
     pub viewpoints: bool,
     /// See [`super::command::Panel`].
     pub inspector: bool,
@@ -38,6 +40,7 @@ impl Default for Panels {
             tree: false,
             curves: true,
             palette: false,
+            export: false,
             viewpoints: false,
             inspector: true,
             timeline: true,

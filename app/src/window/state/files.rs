@@ -43,7 +43,7 @@ impl AppState {
         }
     }
 
-    fn take_dialog(&mut self, dialog: std::io::Result<Job<Answer>>) {
+    pub(super) fn take_dialog(&mut self, dialog: std::io::Result<Job<Answer>>) {
         match dialog {
             Ok(job) => self.dialog = Some(job),
             Err(error) => self.error = Some(format!("No thread for the dialog: {error}")),
@@ -61,6 +61,7 @@ impl AppState {
         match answer {
             Answer::Chosen(paths) => self.open_files(paths),
             Answer::Closed => {}
+            Answer::Place(path) => self.export.file = path.display().to_string(),
             Answer::Saved(Ok(path)) => self.news = Some(format!("Saved to {}", path.display())),
             Answer::Saved(Err(error)) => self.error = Some(describe(&error)),
             Answer::NoDialog(instead) => self.error = Some(instead.to_owned()),

@@ -8,6 +8,7 @@ use super::camera::Camera;
 use super::clock::{Clock, Run};
 use super::coloring::Coloring;
 use super::command::{Command, Panel};
+use super::export::{Export, Exporting, browse};
 use super::frames::FrameLog;
 use super::gantt::Gantt;
 use super::history::{Change, History};
@@ -99,6 +100,10 @@ pub struct AppState {
     /// Ends when the schedule's files have changed.
     pub(super) watching: Option<Job<Vec<Stamp>>>,
     dialog: Option<Job<Answer>>,
+    /// What is to be saved of what is shown.
+    pub export: Export,
+    /// What is being saved.
+    pub exporting: Option<Exporting>,
     /// Schedules that were opened before any model.
     pub waiting_schedules: Vec<PathBuf>,
     /// What went wrong last: file, place and value.
@@ -178,6 +183,8 @@ impl AppState {
             loading: None,
             watching: None,
             dialog: None,
+            export: Export::default(),
+            exporting: None,
             waiting_schedules: Vec::new(),
             error: None,
             news: None,
@@ -226,6 +233,7 @@ impl AppState {
             || matches!(self.tree, Tree::Building(_))
             || self.refining.is_some()
             || self.dialog.is_some()
+            || self.exporting.is_some()
             || self.table.is_measuring()
     }
 
@@ -403,6 +411,19 @@ impl AppState {
                 self.apply(Command::SetScheme(next));
             }
 
+            Command::SetExport(wanted) => self.export = *wanted,
+            Command::BrowseExport => {
+                if self.dialog.is_none() {
+                    self.take_dialog(browse(&self.export, Arc::clone(&self.wake)));
+                }
+            }
+            Command::StartExport => self.start_export(),
+            Command::CancelExport => {
+                if let Some(job) = &self.exporting {
+                    job.cancel();
+                }
+            }
+
             Command::MeasureTable => {
                 if let Some(project) = &self.project {
                     let tree = match &self.tree {
@@ -570,6 +591,7 @@ impl AppState {
                 }
             }
         }
+        self.poll_export();
         self.poll_refining();
         self.poll_watching();
         self.keeping.retain(Keeping::is_going_on);
@@ -802,6 +824,7 @@ impl AppState {
             Panel::Tree => &mut self.panels.tree,
             Panel::Curves => &mut self.panels.curves,
             Panel::Palette => &mut self.panels.palette,
+            Panel::Export => &mut self.panels.export,
             Panel::Viewpoints => &mut self.panels.viewpoints,
             Panel::Inspector => &mut self.panels.inspector,
             Panel::Timeline => &mut self.panels.timeline,
