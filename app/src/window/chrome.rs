@@ -141,6 +141,9 @@ pub fn bar(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         for (title, names) in MENUS {
             ui.menu_button(title, |ui| {
                 for name in names {
+                    if *name == "Export…" {
+                        recent(ui, state, commands);
+                    }
                     match actions.iter().find(|a| a.name == *name) {
                         Some(action) => entry(ui, state, action, commands),
                         None => {
@@ -162,6 +165,19 @@ pub fn bar(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             if state.project.is_some() {
                 tolerance(ui, state, commands);
                 modes(ui, state, commands);
+            }
+        });
+    });
+}
+
+/// Projects that were open before.
+fn recent(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    ui.add_enabled_ui(!state.recent.is_empty(), |ui| {
+        ui.menu_button("Recent projects", |ui| {
+            for project in &state.recent {
+                if ui.button(project.name()).clicked() {
+                    commands.push(Command::Load(project.request()));
+                }
             }
         });
     });

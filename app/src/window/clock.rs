@@ -10,7 +10,7 @@ pub const SPEEDS: [u32; 7] = [1, 2, 7, 14, 30, 60, 120];
 pub const RUNS: [u32; 5] = [10, 20, 30, 60, 120];
 
 /// How fast time runs while playing.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, serde::Serialize, serde::Deserialize)]
 pub enum Speed {
     /// Days of the project a second.
     Days(u32),

@@ -23,6 +23,7 @@ mod navigation;
 mod overlay;
 mod reload;
 mod selection;
+mod settings;
 mod shown;
 mod state;
 mod sun;
@@ -54,6 +55,7 @@ use crate::project::Request;
 use crate::tree::user_cache;
 use anyhow::Context as _;
 use egui::{CentralPanel, Frame, Margin, Panel as Side, Ui, ViewportCommand};
+use settings::Settings;
 use state::Effect;
 use std::sync::Arc;
 use std::time::Duration;
@@ -84,7 +86,13 @@ pub fn run(request: Option<Request>) -> anyhow::Result<()> {
         ..Default::default()
     };
     let create: eframe::AppCreator<'_> = Box::new(move |context| {
-        let mut window = Window::new(context, request)?;
+        let settings = context.storage.and_then(|s| s.get_string(settings::KEY));
+        let settings = settings.map(|text| Settings::read(&text)).unwrap_or_default();
+        let mut window = Window::new(context, None)?;
+        settings.apply(&mut window.state);
+        if let Some(request) = request {
+            window.state.apply(Command::Load(request));
+        }
         window.state.cache = user_cache();
         Ok(Box::new(window))
     });
@@ -264,6 +272,10 @@ impl eframe::App for Window {
         } else if self.is_busy() {
             ctx.request_repaint_after(PROGRESS_EVERY);
         }
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        storage.set_string(settings::KEY, Settings::of(&self.state).write());
     }
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {

@@ -5,7 +5,9 @@ use egui::{Key, Modifiers, PointerButton};
 use glam::Vec3;
 
 /// Which buttons do what, as people know it from other programs.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+#[derive(
+    Clone, Copy, PartialEq, Eq, Hash, Debug, Default, serde::Serialize, serde::Deserialize,
+)]
 pub enum Mouse {
     /// Left turns, Shift and left, middle or right moves, Ctrl and left selects within a frame.
     #[default]

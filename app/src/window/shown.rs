@@ -1,7 +1,8 @@
 //! What of the window and of the scene's colours is shown: plain values.
 
 /// Which panels are unfolded.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
 pub struct Panels {
     /// See [`super::command::Panel`].
     pub gantt: bool,
@@ -55,7 +56,7 @@ impl Default for Panels {
 }
 
 /// Which colours elements have.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, serde::Serialize, serde::Deserialize)]
 pub enum ElementColors {
     /// Those of the model.
     Own,

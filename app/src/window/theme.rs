@@ -6,7 +6,7 @@ use egui::{
 use topout_schedule::Kind;
 
 /// Which of the two looks is shown.
-#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, serde::Serialize, serde::Deserialize)]
 pub enum Scheme {
     /// As the system says.
     #[default]

@@ -1,6 +1,8 @@
 //! What the window shows, and the one place that changes it.
 
 mod files;
+mod select;
+mod view;
 
 use super::browser::Browser;
 use super::calendar::Calendar;
@@ -11,27 +13,28 @@ use super::command::{Command, Panel};
 use super::export::{Export, Exporting, browse};
 use super::frames::FrameLog;
 use super::gantt::Gantt;
-use super::history::{Change, History};
+use super::history::History;
 use super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, Stamp, Wake};
-use super::navigation::{EYES_M, Mouse, Navigation};
+use super::navigation::{Mouse, Navigation};
 use super::reload::{Refining, TreeChange};
-use super::selection::{Choose, Selected};
+use super::selection::Selected;
+use super::settings::{Recent, remember};
 use super::shown::{ElementColors, Panels};
 use super::table::Table;
 use super::theme::Scheme;
 use super::timeline::Scale;
 use super::viewpoints::{Trail, Viewpoint};
-use super::visibility::{Shown, Visibility};
+use super::visibility::Visibility;
 use crate::project::{self, Request};
 use crate::report::describe;
 use crate::tree::Baked;
-use glam::{UVec2, Vec3};
+use glam::UVec2;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use topout_render::{DrawMode, Sun};
 use topout_scene::cache::Cache;
-use topout_scene::{Aabb, Cancelled, ElementId, Hdlod, NamedView, Scene, hdlod};
+use topout_scene::{Cancelled, Hdlod, NamedView, Scene, hdlod};
 use topout_schedule::{Time, TimeRange};
 
 /// Tolerances that can be set, physical pixels.
@@ -100,6 +103,8 @@ pub struct AppState {
     /// Ends when the schedule's files have changed.
     pub(super) watching: Option<Job<Vec<Stamp>>>,
     dialog: Option<Job<Answer>>,
+    /// Projects that were open, the last one first.
+    pub recent: Vec<Recent>,
     /// What is to be saved of what is shown.
     pub export: Export,
     /// What is being saved.
@@ -183,6 +188,7 @@ impl AppState {
             loading: None,
             watching: None,
             dialog: None,
+            recent: Vec::new(),
             export: Export::default(),
             exporting: None,
             waiting_schedules: Vec::new(),
@@ -440,81 +446,6 @@ impl AppState {
         }
     }
 
-    /// Selects elements; the Gantt chart comes to the first activity of the last one.
-    fn choose(&mut self, how: Choose, elements: Vec<ElementId>) {
-        self.selected.choose(how, elements);
-        if let (Some(project), Some(last)) = (&self.project, self.selected.last())
-            && let Some(&activity) = project.scene.activities_of(last).first()
-        {
-            self.gantt.reveal(&project.plan, &project.scene.schedule, activity as usize);
-        }
-    }
-
-    /// Selects the elements of an activity.
-    fn select_activity(&mut self, activity: usize) {
-        let Some(project) = &self.project else { return };
-        self.selected.choose_activity(activity, project.plan.elements_of(activity).to_vec());
-    }
-
-    /// Selects the elements of all activities below a summary.
-    fn select_summary(&mut self, summary: u32) {
-        let Some(project) = &self.project else { return };
-        let elements = project.plan.below(summary).flat_map(|a| project.plan.elements_of(a));
-        self.selected.choose(Choose::Only, elements.copied().collect());
-    }
-
-    /// Draws everything but the selection in another way.
-    fn isolate(&mut self, others: Shown) {
-        if let Some(project) = &self.project
-            && !self.selected.elements().is_empty()
-        {
-            let count = project.scene.model.elements.len();
-            let mut next = self.visibility.clone();
-            next.isolate(count, self.selected.elements(), others);
-            self.set_visibility(next);
-        }
-    }
-
-    fn set_visibility(&mut self, next: Visibility) {
-        if next != self.visibility {
-            let before = std::mem::replace(&mut self.visibility, next);
-            self.history.push(Change::Visibility(before));
-        }
-    }
-
-    /// Moves an activity, and what its links make follow; that can be taken back.
-    fn move_activity(&mut self, activity: usize, dates: TimeRange) {
-        let Some(project) = &self.project else { return };
-        let moves = project.network.moved(&project.scene.schedule, &[(activity, dates)]);
-        let before = dates_of(project, &moves);
-        if before.len() == moves.len() {
-            self.history.push(Change::Dates(before));
-            self.move_activities(moves);
-        }
-    }
-
-    fn step_history(&mut self, back: bool) {
-        let (project, visibility) = (self.project.clone(), &self.visibility);
-        let now = |change: &Change| match change {
-            Change::Visibility(_) => Change::Visibility(visibility.clone()),
-            Change::Dates(moves) => {
-                let dates = project.as_ref().map(|project| dates_of(project, moves));
-                Change::Dates(dates.unwrap_or_default())
-            }
-        };
-        match self.history.step(back, now) {
-            None => {}
-            Some(Change::Visibility(visibility)) => self.visibility = visibility,
-            Some(Change::Dates(moves)) => self.move_activities(moves),
-        }
-    }
-
-    /// Whether the user wants to see an element at all, and how.
-    pub fn shown(&self, element: ElementId) -> Shown {
-        let scene = self.project.as_ref().map(|p| &p.scene);
-        scene.map_or(Shown::Whole, |scene| self.visibility.of(scene, element))
-    }
-
     /// Lets time run on by `seconds` of the user's time.
     pub fn advance(&mut self, seconds: f64) {
         if !self.clock.is_playing() {
@@ -603,76 +534,11 @@ impl AppState {
         self.show(Project::new(request, scene));
     }
 
-    /// The 3D view has this size; a camera that nobody moved since a fit fits again.
-    pub fn set_picture(&mut self, size: UVec2) {
-        if size != self.picture {
-            self.picture = size;
-            if self.fitted {
-                self.fit();
-            }
-        }
-    }
-
-    fn move_camera(&mut self, camera: Camera) {
-        if camera != self.camera {
-            self.camera = camera;
-            self.fitted = false;
-        }
-    }
-
-    /// How far from a point the eye may go, metres.
-    pub fn far_limit(&self) -> f32 {
-        self.project.as_ref().map_or(1e3, |p| p.focus.diameter().max(1.0) * 40.0)
-    }
-
-    /// The point of a present element under a pixel.
-    pub fn pick(&self, pixel: glam::Vec2) -> Option<(ElementId, Vec3)> {
-        let project = self.project.as_ref()?;
-        let (eye, direction) = self.camera.ray(pixel, self.picture);
-        let (scene, time) = (&project.scene, self.time());
-        let whole = |id| self.visibility.of(scene, id) == Shown::Whole;
-        let hit = project.picker.pick_among(scene, eye, direction, time, whole)?;
-        Some((hit.element, hit.point))
-    }
-
-    /// The present elements within a rectangle of the picture, given by two corners in the order in which
-    /// it was drawn: from left to right those that lie in it wholly, from right to left all that it touches.
-    pub fn within(&self, from: glam::Vec2, to: glam::Vec2) -> Vec<ElementId> {
-        let Some(project) = &self.project else { return Vec::new() };
-        let (min, max) = (from.min(to), from.max(to));
-        let wholly = from.x <= to.x;
-        let found = |id: ElementId| {
-            let bounds = &project.scene.model.elements[id.index()].bounds;
-            if bounds.is_empty()
-                || !project.scene.behaviour(id).at(self.time())
-                || self.shown(id) != Shown::Whole
-            {
-                return false;
-            }
-            let corners = bounds.corners().map(|c| self.camera.project(c, self.picture));
-            let seen = corners.iter().flatten();
-            let (low, high) = seen
-                .clone()
-                .fold((glam::Vec2::INFINITY, glam::Vec2::NEG_INFINITY), |(low, high), at| {
-                    (low.min(*at), high.max(*at))
-                });
-            match wholly {
-                true => {
-                    seen.count() == corners.len() && low.cmpge(min).all() && high.cmple(max).all()
-                }
-                false => low.cmple(max).all() && high.cmpge(min).all(),
-            }
-        };
-        (0..project.scene.model.elements.len() as u32)
-            .map(ElementId)
-            .filter(|id| found(*id))
-            .collect()
-    }
-
     fn show(&mut self, project: Project) {
         let same_models =
             self.project.as_ref().is_some_and(|p| p.request.models == project.request.models);
         let project = Arc::new(project);
+        remember(&mut self.recent, &project.request);
         self.project = Some(Arc::clone(&project));
         self.selected = Selected::default();
         self.clock.pause();
@@ -735,89 +601,6 @@ impl AppState {
         }
     }
 
-    fn step_view(&mut self, back: bool) {
-        if let Some(camera) = self.trail.step(back, self.camera) {
-            self.move_camera(camera);
-        }
-    }
-
-    fn save_viewpoint(&mut self) {
-        let Some(project) = &self.project else { return };
-        let name = format!("View {}", self.viewpoints.len() + 1);
-        self.news = Some(format!("{name} is saved: {}", project.calendar.headline(self.time())));
-        self.viewpoints.push(Viewpoint {
-            name,
-            camera: self.camera,
-            time: self.time(),
-            visibility: self.visibility.clone(),
-            colors: self.colors,
-        });
-    }
-
-    fn show_viewpoint(&mut self, i: usize) {
-        let Some(viewpoint) = self.viewpoints.get(i).cloned() else { return };
-        self.trail.leave(self.camera);
-        self.move_camera(viewpoint.camera);
-        self.clock.pause();
-        self.clock.jump(viewpoint.time);
-        self.follow_clock();
-        self.colors = viewpoint.colors;
-        self.set_visibility(viewpoint.visibility);
-    }
-
-    /// Walks or flies on for `seconds`, with these keys down; whether one moved.
-    pub fn steer(&mut self, seconds: f32, fast: bool, down: impl Fn(egui::Key) -> bool) -> bool {
-        let steered = self.navigation.steered(&self.camera, seconds, fast, down);
-        if let Some(camera) = steered {
-            self.move_camera(camera);
-            self.stand();
-        }
-        steered.is_some()
-    }
-
-    /// On foot one stands on what is there below, as far as it is no more than a step up or one looks down
-    /// on it.
-    fn stand(&mut self) {
-        let (Navigation::Walk, Some(project)) = (self.navigation, &self.project) else { return };
-        let scene = &project.scene;
-        let whole = |id| self.visibility.of(scene, id) == Shown::Whole;
-        let (eye, time) = (self.camera.eye, self.time());
-        let hit = project.picker.pick_among(scene, eye, Vec3::NEG_Y, time, whole);
-        if let Some(hit) = hit {
-            let standing = Camera { eye: hit.point + Vec3::Y * EYES_M, ..self.camera };
-            self.move_camera(standing);
-        }
-    }
-
-    fn fit(&mut self) {
-        if let Some(project) = &self.project {
-            self.camera = self.camera.fit(&project.focus, self.picture);
-            self.fitted = true;
-        }
-    }
-
-    fn fit_selection(&mut self) {
-        let Some(project) = &self.project else { return };
-        let elements = self.selected.elements().iter();
-        let boxes = elements.map(|id| project.scene.model.elements[id.index()].bounds);
-        let bounds = boxes.fold(Aabb::EMPTY, |all, bounds| all.union(&bounds));
-        if !bounds.is_empty() {
-            // Some of its surroundings help to see where it is.
-            let around = bounds.grown(bounds.diameter().max(0.5) * 0.5);
-            self.trail.leave(self.camera);
-            self.move_camera(self.camera.fit(&around, self.picture));
-        }
-    }
-
-    fn look_from(&mut self, named: NamedView) {
-        if let Some(project) = &self.project {
-            let parallel = self.camera.parallel;
-            let fitted = Camera::fit_named(&project.focus, named, self.picture);
-            self.camera = Camera { parallel, ..fitted };
-            self.fitted = true;
-        }
-    }
-
     fn panel_mut(&mut self, panel: Panel) -> &mut bool {
         match panel {
             Panel::Gantt => &mut self.panels.gantt,
@@ -841,11 +624,6 @@ impl AppState {
     pub fn calendar(&self) -> Option<&Calendar> {
         self.project.as_ref().map(|p| &p.calendar)
     }
-}
-
-/// The dates that the activities of `moves` have now.
-fn dates_of(project: &Project, moves: &[(usize, TimeRange)]) -> Vec<(usize, TimeRange)> {
-    moves.iter().filter_map(|&(i, _)| Some((i, project.plan.span(i)?))).collect()
 }
 
 #[cfg(test)]

@@ -5,6 +5,7 @@ use super::super::calendar::DAY;
 use super::super::clock::{SPEEDS, Speed, Step};
 use super::*;
 use crate::project::Source;
+use glam::Vec3;
 use topout_schedule::Schedule;
 
 fn state() -> AppState {

@@ -1,0 +1,160 @@
+//! Where one looks from, and what is under the pointer.
+
+use super::super::camera::Camera;
+use super::super::navigation::{EYES_M, Navigation};
+use super::super::viewpoints::Viewpoint;
+use super::super::visibility::Shown;
+use super::AppState;
+use glam::{UVec2, Vec3};
+use topout_scene::{Aabb, ElementId, NamedView};
+
+impl AppState {
+    /// The 3D view has this size; a camera that nobody moved since a fit fits again.
+    pub fn set_picture(&mut self, size: UVec2) {
+        if size != self.picture {
+            self.picture = size;
+            if self.fitted {
+                self.fit();
+            }
+        }
+    }
+
+    pub(super) fn move_camera(&mut self, camera: Camera) {
+        if camera != self.camera {
+            self.camera = camera;
+            self.fitted = false;
+        }
+    }
+
+    /// How far from a point the eye may go, metres.
+    pub fn far_limit(&self) -> f32 {
+        self.project.as_ref().map_or(1e3, |p| p.focus.diameter().max(1.0) * 40.0)
+    }
+
+    /// The point of a present element under a pixel.
+    pub fn pick(&self, pixel: glam::Vec2) -> Option<(ElementId, Vec3)> {
+        let project = self.project.as_ref()?;
+        let (eye, direction) = self.camera.ray(pixel, self.picture);
+        let (scene, time) = (&project.scene, self.time());
+        let whole = |id| self.visibility.of(scene, id) == Shown::Whole;
+        let hit = project.picker.pick_among(scene, eye, direction, time, whole)?;
+        Some((hit.element, hit.point))
+    }
+
+    /// The present elements within a rectangle of the picture, given by two corners in the order in which
+    /// it was drawn: from left to right those that lie in it wholly, from right to left all that it touches.
+    pub fn within(&self, from: glam::Vec2, to: glam::Vec2) -> Vec<ElementId> {
+        let Some(project) = &self.project else { return Vec::new() };
+        let (min, max) = (from.min(to), from.max(to));
+        let wholly = from.x <= to.x;
+        let found = |id: ElementId| {
+            let bounds = &project.scene.model.elements[id.index()].bounds;
+            if bounds.is_empty()
+                || !project.scene.behaviour(id).at(self.time())
+                || self.shown(id) != Shown::Whole
+            {
+                return false;
+            }
+            let corners = bounds.corners().map(|c| self.camera.project(c, self.picture));
+            let seen = corners.iter().flatten();
+            let (low, high) = seen
+                .clone()
+                .fold((glam::Vec2::INFINITY, glam::Vec2::NEG_INFINITY), |(low, high), at| {
+                    (low.min(*at), high.max(*at))
+                });
+            match wholly {
+                true => {
+                    seen.count() == corners.len() && low.cmpge(min).all() && high.cmple(max).all()
+                }
+                false => low.cmple(max).all() && high.cmpge(min).all(),
+            }
+        };
+        (0..project.scene.model.elements.len() as u32)
+            .map(ElementId)
+            .filter(|id| found(*id))
+            .collect()
+    }
+
+    pub(super) fn step_view(&mut self, back: bool) {
+        if let Some(camera) = self.trail.step(back, self.camera) {
+            self.move_camera(camera);
+        }
+    }
+
+    pub(super) fn save_viewpoint(&mut self) {
+        let Some(project) = &self.project else { return };
+        let name = format!("View {}", self.viewpoints.len() + 1);
+        self.news = Some(format!("{name} is saved: {}", project.calendar.headline(self.time())));
+        self.viewpoints.push(Viewpoint {
+            name,
+            camera: self.camera,
+            time: self.time(),
+            visibility: self.visibility.clone(),
+            colors: self.colors,
+        });
+    }
+
+    pub(super) fn show_viewpoint(&mut self, i: usize) {
+        let Some(viewpoint) = self.viewpoints.get(i).cloned() else { return };
+        self.trail.leave(self.camera);
+        self.move_camera(viewpoint.camera);
+        self.clock.pause();
+        self.clock.jump(viewpoint.time);
+        self.follow_clock();
+        self.colors = viewpoint.colors;
+        self.set_visibility(viewpoint.visibility);
+    }
+
+    /// Walks or flies on for `seconds`, with these keys down; whether one moved.
+    pub fn steer(&mut self, seconds: f32, fast: bool, down: impl Fn(egui::Key) -> bool) -> bool {
+        let steered = self.navigation.steered(&self.camera, seconds, fast, down);
+        if let Some(camera) = steered {
+            self.move_camera(camera);
+            self.stand();
+        }
+        steered.is_some()
+    }
+
+    /// On foot one stands on what is there below, as far as it is no more than a step up or one looks down
+    /// on it.
+    pub(super) fn stand(&mut self) {
+        let (Navigation::Walk, Some(project)) = (self.navigation, &self.project) else { return };
+        let scene = &project.scene;
+        let whole = |id| self.visibility.of(scene, id) == Shown::Whole;
+        let (eye, time) = (self.camera.eye, self.time());
+        let hit = project.picker.pick_among(scene, eye, Vec3::NEG_Y, time, whole);
+        if let Some(hit) = hit {
+            let standing = Camera { eye: hit.point + Vec3::Y * EYES_M, ..self.camera };
+            self.move_camera(standing);
+        }
+    }
+
+    pub(super) fn fit(&mut self) {
+        if let Some(project) = &self.project {
+            self.camera = self.camera.fit(&project.focus, self.picture);
+            self.fitted = true;
+        }
+    }
+
+    pub(super) fn fit_selection(&mut self) {
+        let Some(project) = &self.project else { return };
+        let elements = self.selected.elements().iter();
+        let boxes = elements.map(|id| project.scene.model.elements[id.index()].bounds);
+        let bounds = boxes.fold(Aabb::EMPTY, |all, bounds| all.union(&bounds));
+        if !bounds.is_empty() {
+            // Some of its surroundings help to see where it is.
+            let around = bounds.grown(bounds.diameter().max(0.5) * 0.5);
+            self.trail.leave(self.camera);
+            self.move_camera(self.camera.fit(&around, self.picture));
+        }
+    }
+
+    pub(super) fn look_from(&mut self, named: NamedView) {
+        if let Some(project) = &self.project {
+            let parallel = self.camera.parallel;
+            let fitted = Camera::fit_named(&project.focus, named, self.picture);
+            self.camera = Camera { parallel, ..fitted };
+            self.fitted = true;
+        }
+    }
+}
