@@ -16,7 +16,7 @@ const MIN_ZOOM_STEP_M: f32 = 0.05;
 const FIT_MARGIN: f32 = 1.06;
 
 /// Where one looks from and to. Up is +Y.
-#[derive(Clone, Copy, PartialEq, Debug)]
+#[derive(Clone, Copy, PartialEq, Debug, serde::Serialize, serde::Deserialize)]
 pub struct Camera {
     /// Position, metres in the scene's local space.
     pub eye: Vec3,
@@ -53,6 +53,16 @@ impl Camera {
         let view = View::fit(focus, azimuth.to_degrees(), elevation.to_degrees(), FIT_MARGIN, size);
         let reach = view.eye.distance(view.target).max(1e-3);
         Self { eye: view.eye, azimuth, elevation, reach, fov_y: View::FOV_Y, parallel: false }
+    }
+
+    /// Whether it can be looked through: a file may hold anything.
+    pub fn is_sound(&self) -> bool {
+        let angles = [self.azimuth, self.elevation, self.reach, self.fov_y];
+        self.eye.is_finite()
+            && angles.iter().all(|value| value.is_finite())
+            && self.elevation.abs() <= FRAC_PI_2
+            && self.reach > 0.0
+            && (0.01..3.0).contains(&self.fov_y)
     }
 
     /// Metres from the foot to the top of the picture at the distance that is looked at.

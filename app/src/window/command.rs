@@ -65,6 +65,10 @@ pub enum Command {
     Load(Request),
     /// Files dropped on the window or chosen in a dialog, of any kind.
     OpenFiles(Vec<PathBuf>),
+    /// Write the project file.
+    SaveProject,
+    /// Ask where to, and write it.
+    SaveProjectAs,
     /// Read the schedule of the shown project again.
     ReloadSchedule,
     /// Stop loading.
@@ -311,6 +315,8 @@ pub fn actions() -> Vec<Action> {
         action(C::OpenSchedule, "Open schedule…", Some(S::command_shift(Key::O))),
         action(C::ReloadSchedule, "Reload schedule", Some(S::command(Key::R))),
         action(C::OpenDemo, "Open demo project", Some(S::command(Key::D))),
+        action(C::SaveProject, "Save project", Some(S::command(Key::S))),
+        action(C::SaveProjectAs, "Save project as…", Some(S::command_shift(Key::S))),
         action(C::Toggle(Panel::Export), "Export…", Some(S::command(Key::E))),
         action(C::Quit, "Quit", Some(S::command(Key::Q))),
         action(C::Undo, "Undo", Some(S::command(Key::Z))),

@@ -288,6 +288,8 @@ pub enum Answer {
     Chosen(Vec<PathBuf>),
     /// The place of a file that is to be written.
     Place(PathBuf),
+    /// The place of the project file.
+    Project(PathBuf),
     /// The user closed it.
     Closed,
     /// A file that was written, or why it could not be.
@@ -306,6 +308,11 @@ const NO_SAVE_DIALOG: &str = "This system offers no file dialog: neither a deskt
     (xdg-desktop-portal) nor zenity answers. Install one of them, copy the table, or measure on the \
     command line: topout bench MODEL --schedule FILE --csv FILE --markdown FILE";
 
+/// The same where the project was to be saved.
+const NO_PROJECT_DIALOG: &str = "This system offers no file dialog: neither a desktop portal \
+    (xdg-desktop-portal) nor zenity answers. Install one of them; File > Save project writes beside \
+    the model without asking.";
+
 /// Asks for files without stopping the window.
 ///
 /// # Errors
@@ -314,7 +321,7 @@ pub fn ask(what: Ask, wake: Wake) -> std::io::Result<Job<Answer>> {
     let dialog = match what {
         Ask::Models => rfd::AsyncFileDialog::new()
             .set_title("Open model")
-            .add_filter("glTF models", &["glb", "gltf"]),
+            .add_filter("Models and projects", &["glb", "gltf", "topout"]),
         Ask::Schedules => rfd::AsyncFileDialog::new()
             .set_title("Open schedule")
             .add_filter("Schedules and links", &["json", "csv", "xml", "xer", "ifc"]),
@@ -325,6 +332,23 @@ pub fn ask(what: Ask, wake: Wake) -> std::io::Result<Job<Answer>> {
     Job::spawn("topout-dialog", wake, move |_| match pollster::block_on(chosen) {
         Some(files) => Answer::Chosen(files.iter().map(|f| f.path().to_owned()).collect()),
         None => no_file(asked, NO_OPEN_DIALOG),
+    })
+}
+
+/// Asks where the project file is to be.
+///
+/// # Errors
+/// When the system has no thread to give.
+pub fn place_project(name: &str, wake: Wake) -> std::io::Result<Job<Answer>> {
+    let asked = Instant::now();
+    let chosen = rfd::AsyncFileDialog::new()
+        .set_title("Save project")
+        .add_filter("Projects", &["topout"])
+        .set_file_name(name)
+        .save_file();
+    Job::spawn("topout-dialog", wake, move |_| match pollster::block_on(chosen) {
+        Some(file) => Answer::Project(file.path().with_extension("topout")),
+        None => no_file(asked, NO_PROJECT_DIALOG),
     })
 }
 

@@ -21,6 +21,7 @@ mod inspector;
 mod loading;
 mod navigation;
 mod overlay;
+mod project_file;
 mod reload;
 mod selection;
 mod settings;

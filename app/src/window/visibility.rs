@@ -4,7 +4,9 @@ use topout_scene::{ElementId, Scene};
 use topout_schedule::Look;
 
 /// How elements are drawn that the user does not want to look at.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+#[derive(
+    Clone, Copy, PartialEq, Eq, Hash, Debug, Default, serde::Serialize, serde::Deserialize,
+)]
 pub enum Shown {
     /// As ever.
     #[default]
@@ -54,6 +56,11 @@ impl Visibility {
     /// How the user wants an element to be drawn by name.
     pub fn named(&self, element: ElementId) -> Shown {
         self.elements.get(element.index()).copied().unwrap_or_default()
+    }
+
+    /// Nothing is hidden but what has no activities, if that is.
+    pub fn of_unscheduled(unscheduled: Shown) -> Self {
+        Self { unscheduled, ..Self::default() }
     }
 
     /// Draws elements in another way.

@@ -1,6 +1,7 @@
 //! Files that the window opens and saves, on threads of their own.
 
 use super::super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, ask, save};
+use super::super::project_file::{self, EXTENSION};
 use super::AppState;
 use crate::bench::export::Format;
 use crate::project::{self, Request, Source};
@@ -10,6 +11,18 @@ use std::sync::Arc;
 
 impl AppState {
     pub(in super::super) fn load(&mut self, request: Request) {
+        self.saved = None;
+        if let [Source::File(path)] = &request.models[..]
+            && path.extension().is_some_and(|e| e.eq_ignore_ascii_case(EXTENSION))
+        {
+            return match project_file::read(path) {
+                Ok((request, saved)) => {
+                    self.load(request);
+                    self.saved = Some(saved);
+                }
+                Err(error) => self.error = Some(describe(&error)),
+            };
+        }
         let names: Vec<String> = request.models.iter().map(name_of).collect();
         self.start_loading(names.join(", "), move |progress| {
             Ok(Loaded::Project(Box::new(Project::load(request, progress)?)))
@@ -61,6 +74,7 @@ impl AppState {
         match answer {
             Answer::Chosen(paths) => self.open_files(paths),
             Answer::Closed => {}
+            Answer::Project(path) => self.save_project_to(path),
             Answer::Place(path) => self.export.file = path.display().to_string(),
             Answer::Saved(Ok(path)) => self.news = Some(format!("Saved to {}", path.display())),
             Answer::Saved(Err(error)) => self.error = Some(describe(&error)),
@@ -76,14 +90,14 @@ impl AppState {
         for path in files {
             let extension = path.extension().map(|e| e.to_string_lossy().to_ascii_lowercase());
             match extension.as_deref() {
-                Some("glb" | "gltf") => models.push(Source::File(path)),
+                Some("glb" | "gltf" | EXTENSION) => models.push(Source::File(path)),
                 Some("json") if project::says(&path, "topout-rules") => rules = Some(path),
                 Some("json") if project::says(&path, "topout-paths") => paths.push(path),
                 Some("json" | "csv" | "xml" | "xer" | "ifc") => schedules.push(path),
                 _ => {
                     self.error = Some(format!(
                         "{}: not a file that topout opens. Models are .glb or .gltf, \
-                         schedules are .json, .csv, .xml, .xer or .ifc.",
+                         projects .topout, schedules are .json, .csv, .xml, .xer or .ifc.",
                         path.display()
                     ));
                     return;

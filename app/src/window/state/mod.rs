@@ -14,8 +14,9 @@ use super::export::{Export, Exporting, browse};
 use super::frames::FrameLog;
 use super::gantt::Gantt;
 use super::history::History;
-use super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, Stamp, Wake};
+use super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, Stamp, Wake, place_project};
 use super::navigation::{Mouse, Navigation};
+use super::project_file::Saved;
 use super::reload::{Refining, TreeChange};
 use super::selection::Selected;
 use super::settings::{Recent, remember};
@@ -103,6 +104,10 @@ pub struct AppState {
     /// Ends when the schedule's files have changed.
     pub(super) watching: Option<Job<Vec<Stamp>>>,
     dialog: Option<Job<Answer>>,
+    /// Where the shown project is saved.
+    pub project_file: Option<PathBuf>,
+    /// How what is being loaded was looked at.
+    pub(super) saved: Option<Saved>,
     /// Projects that were open, the last one first.
     pub recent: Vec<Recent>,
     /// What is to be saved of what is shown.
@@ -188,6 +193,8 @@ impl AppState {
             loading: None,
             watching: None,
             dialog: None,
+            project_file: None,
+            saved: None,
             recent: Vec::new(),
             export: Export::default(),
             exporting: None,
@@ -260,6 +267,15 @@ impl AppState {
             Command::OpenDemo => self.load(Request::demo()),
             Command::Load(request) => self.load(request),
             Command::OpenFiles(paths) => self.open_files(paths),
+            Command::SaveProject => self.save_project(),
+            Command::SaveProjectAs => {
+                if self.dialog.is_none() {
+                    let file = self.project_file.as_ref().and_then(|path| path.file_name());
+                    let name =
+                        file.map_or_else(|| "project.topout".into(), |n| n.to_string_lossy());
+                    self.take_dialog(place_project(&name, Arc::clone(&self.wake)));
+                }
+            }
             Command::ReloadSchedule => self.reload_schedule(),
             Command::CancelLoading => self.loading = None,
             Command::DismissNews => self.news = None,
@@ -496,6 +512,7 @@ impl AppState {
                 }
                 Outcome::Done(Err(error)) => {
                     self.loading = None;
+                    self.saved = None;
                     if !project::is_cancelled(&error) {
                         self.error = Some(describe(&error));
                     }
@@ -547,6 +564,7 @@ impl AppState {
             self.visibility = Visibility::default();
             self.history = History::default();
             self.trail = Trail::default();
+            self.project_file = None;
             self.viewpoints.clear();
         }
         self.gantt = Gantt::of(&project);
@@ -565,6 +583,9 @@ impl AppState {
             self.look_from(NamedView::Iso);
         }
         self.build_tree();
+        if let Some(saved) = self.saved.take() {
+            self.take_saved(saved);
+        }
     }
 
     /// Keeps the date within the period.

@@ -97,6 +97,11 @@ impl AppState {
     pub(super) fn show_viewpoint(&mut self, i: usize) {
         let Some(viewpoint) = self.viewpoints.get(i).cloned() else { return };
         self.trail.leave(self.camera);
+        self.set_view(viewpoint);
+    }
+
+    /// Looks from there, at that date, at what was shown.
+    pub(in super::super) fn set_view(&mut self, viewpoint: Viewpoint) {
         self.move_camera(viewpoint.camera);
         self.clock.pause();
         self.clock.jump(viewpoint.time);
