@@ -329,7 +329,7 @@ fn hover(
 ) {
     let Some(pointer) = response.hover_pos().filter(|_| !response.dragged()) else { return };
     let colors = palette(ui);
-    let time = axis.at(pointer.x);
+    let time = axis.at(pointer.x.clamp(axis.place.min.x, axis.place.max.x));
     painter.vline(pointer.x, axis.place.y_range(), Stroke::new(1.0, colors.weak));
     let active = short_count(calendar.active_at(time) as u64);
     let mut text = format!("{} · {active} active", short_date(time));
