@@ -2,7 +2,7 @@
 CARGO ?= cargo
 TARGET_DIR = $${CARGO_TARGET_DIR:-target}
 
-.PHONY: run test check build fuzz packages cargo
+.PHONY: run test check build fuzz tour packages cargo
 
 # The demo project: its window, or pictures in out/ and a table where there is no display.
 run: build
@@ -26,6 +26,10 @@ check: packages cargo
 # The schedule readers with damaged files, ten minutes each; MINUTES=1 make fuzz for less.
 fuzz: packages cargo
 	@.ci/fuzz
+
+# A walk through the window without a display: pictures in out/tour.
+tour: build
+	@.ci/tour
 
 build: packages cargo
 	$(CARGO) build --release --workspace --locked

@@ -408,6 +408,17 @@ fn the_palette_finds_commands_and_activities_by_name() {
     harness.run();
     assert_eq!(state(&harness).time(), time("2027-02-01"));
     assert!(!state(&harness).panels.palette, "it closes");
+    // Text and Enter in one slow frame.
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::P);
+    harness.run();
+    let input = harness.input_mut();
+    input.events.push(egui::Event::Text("color by type".to_owned()));
+    let (key, modifiers) = (Key::Enter, Modifiers::NONE);
+    let enter =
+        |pressed| egui::Event::Key { key, physical_key: None, pressed, repeat: false, modifiers };
+    input.events.extend([enter(true), enter(false)]);
+    harness.run();
+    assert_eq!(state(&harness).colors, ElementColors::Type);
     let activity = &scene().schedule.activities[7];
     harness.get_by_label("Command palette").click();
     harness.run();

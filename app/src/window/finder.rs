@@ -82,15 +82,8 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
     let pressed = |key| ctx.input_mut(|i| i.consume_key(Modifiers::NONE, key));
     let (up, down) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown));
     let (enter, escape) = (pressed(Key::Enter), pressed(Key::Escape));
-    let entries = entries(state, &typed.text);
-    if down {
-        typed.chosen += 1;
-    }
-    if up {
-        typed.chosen = typed.chosen.saturating_sub(1);
-    }
-    typed.chosen = typed.chosen.min(entries.len().saturating_sub(1));
-    let mut chosen = enter.then_some(typed.chosen);
+    let mut found = Vec::new();
+    let mut chosen = None;
     let window = egui::Window::new("Command palette")
         .title_bar(false)
         .resizable(false)
@@ -107,10 +100,15 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
             if field.changed() {
                 typed.chosen = 0;
             }
+            // What was typed in this frame counts, and then the keys that came with it.
+            found = entries(state, &typed.text);
+            typed.chosen = (typed.chosen + usize::from(down)).saturating_sub(usize::from(up));
+            typed.chosen = typed.chosen.min(found.len().saturating_sub(1));
+            chosen = enter.then_some(typed.chosen);
             ui.add_space(4.0);
             ScrollArea::vertical().max_height(280.0).auto_shrink([false, true]).show(ui, |ui| {
                 ui.spacing_mut().item_spacing.y = 0.0;
-                for (i, entry) in entries.iter().enumerate() {
+                for (i, entry) in found.iter().enumerate() {
                     let row = row(ui, entry, i == typed.chosen);
                     if i == typed.chosen && (up || down) {
                         row.scroll_to_me(None);
@@ -119,7 +117,7 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
                         chosen = Some(i);
                     }
                 }
-                if entries.is_empty() {
+                if found.is_empty() {
                     ui.label(RichText::new("Nothing is called that.").color(palette(ui).weak));
                 }
             });
@@ -129,7 +127,7 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
         && window.is_some_and(|w| {
             ctx.input(|i| i.pointer.interact_pos()).is_some_and(|at| !w.response.rect.contains(at))
         });
-    if let Some(entry) = chosen.and_then(|i| entries.into_iter().nth(i)) {
+    if let Some(entry) = chosen.and_then(|i| found.into_iter().nth(i)) {
         commands.push(close);
         commands.extend(entry.commands);
     } else if escape || outside {

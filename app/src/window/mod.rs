@@ -178,49 +178,6 @@ impl Window {
             }
         }
     }
-
-    fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
-        let state = &self.state;
-        let fill = theme::palette(ui).panel;
-        let frame = |x, y| Frame::new().fill(fill).inner_margin(Margin::symmetric(x, y));
-        Side::top("bar").frame(frame(8, 4)).show(ui, |ui| chrome::bar(ui, state, commands));
-        if state.project.is_some() {
-            if state.panels.gantt {
-                Side::bottom("gantt")
-                    .frame(frame(12, 8))
-                    .resizable(true)
-                    .default_size(240.0)
-                    .size_range(120.0..=800.0)
-                    .show(ui, |ui| gantt::show(ui, state, commands));
-            }
-            if state.panels.timeline {
-                Side::bottom("timeline")
-                    .frame(frame(12, 8))
-                    .resizable(false)
-                    .show(ui, |ui| timeline::show(ui, state, commands));
-            }
-            if state.panels.tree {
-                Side::left("tree")
-                    .frame(frame(12, 8))
-                    .default_size(260.0)
-                    .size_range(180.0..=520.0)
-                    .show(ui, |ui| browser::show(ui, state, commands));
-            }
-            if state.panels.inspector {
-                Side::right("inspector")
-                    .frame(frame(12, 8))
-                    .default_size(280.0)
-                    .size_range(220.0..=480.0)
-                    .show(ui, |ui| inspector::show(ui, state, commands));
-            }
-        }
-        chrome::diagnostics(ui.ctx(), state, commands);
-        chrome::shortcuts(ui.ctx(), state, commands);
-        table::show(ui.ctx(), state, commands);
-        viewpoints::show(ui.ctx(), state, commands);
-        export::show(ui.ctx(), state, commands);
-        finder::show(ui.ctx(), state, commands);
-    }
 }
 
 impl eframe::App for Window {
@@ -239,7 +196,7 @@ impl eframe::App for Window {
         if !dropped.is_empty() {
             commands.push(Command::OpenFiles(dropped));
         }
-        self.panels(ui, &mut commands);
+        panels(ui, &self.state, &mut commands);
         let changed = !commands.is_empty();
         for command in commands {
             self.state.apply(command);
@@ -282,6 +239,71 @@ impl eframe::App for Window {
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         visuals.panel_fill.to_normalized_gamma_f32()
     }
+}
+
+/// Everything around the 3D view.
+fn panels(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    let fill = theme::palette(ui).panel;
+    let frame = |x, y| Frame::new().fill(fill).inner_margin(Margin::symmetric(x, y));
+    Side::top("bar").frame(frame(8, 4)).show(ui, |ui| chrome::bar(ui, state, commands));
+    if state.project.is_some() {
+        if state.panels.gantt {
+            Side::bottom("gantt")
+                .frame(frame(12, 8))
+                .resizable(true)
+                .default_size(240.0)
+                .size_range(120.0..=800.0)
+                .show(ui, |ui| gantt::show(ui, state, commands));
+        }
+        if state.panels.timeline {
+            Side::bottom("timeline")
+                .frame(frame(12, 8))
+                .resizable(false)
+                .show(ui, |ui| timeline::show(ui, state, commands));
+        }
+        if state.panels.tree {
+            Side::left("tree")
+                .frame(frame(12, 8))
+                .default_size(260.0)
+                .size_range(180.0..=520.0)
+                .show(ui, |ui| browser::show(ui, state, commands));
+        }
+        if state.panels.inspector {
+            Side::right("inspector")
+                .frame(frame(12, 8))
+                .default_size(280.0)
+                .size_range(220.0..=480.0)
+                .show(ui, |ui| inspector::show(ui, state, commands));
+        }
+    }
+    chrome::diagnostics(ui.ctx(), state, commands);
+    chrome::shortcuts(ui.ctx(), state, commands);
+    table::show(ui.ctx(), state, commands);
+    viewpoints::show(ui.ctx(), state, commands);
+    export::show(ui.ctx(), state, commands);
+    finder::show(ui.ctx(), state, commands);
+}
+
+/// A frame without the 3D view: what is asked for is carried out, and everything around the view is laid out.
+/// For measuring what the window itself costs.
+pub fn lay_out(
+    ctx: &egui::Context,
+    state: &mut AppState,
+    input: egui::RawInput,
+) -> egui::FullOutput {
+    ctx.run_ui(input, |ui| {
+        state.refresh();
+        let mut commands = Vec::new();
+        panels(ui, state, &mut commands);
+        commands.into_iter().for_each(|command| state.apply(command));
+        state.refresh();
+        let mut commands = Vec::new();
+        CentralPanel::no_frame().show(ui, |ui| {
+            let place = ui.available_rect_before_wrap();
+            overlay::show(ui, place, state, &mut commands);
+        });
+        commands.into_iter().for_each(|command| state.apply(command));
+    })
 }
 
 /// The files that were let go over the window since the last frame.
