@@ -1,6 +1,6 @@
 //! Civil time in whole seconds. No time zone exists anywhere in topout.
 
-use chrono::{NaiveDate, NaiveDateTime, NaiveTime};
+use chrono::{Datelike, Duration, NaiveDate, NaiveDateTime, NaiveTime};
 use std::fmt;
 
 /// A civil instant: whole seconds since 1970-01-01T00:00:00, without a zone.
@@ -145,6 +145,14 @@ impl TimeRange {
     /// The instant at a fraction of the span (0 = start, 1 = end).
     pub fn at_fraction(&self, fraction: f64) -> Time {
         self.start.plus_seconds((self.seconds() as f64 * fraction).round() as i64)
+    }
+
+    /// The week of a project that lasts so long: weeks begin on Mondays, the one that it starts in is the
+    /// first. `None` beyond the calendar.
+    pub fn week(&self, time: Time) -> Option<i64> {
+        let start = self.start.civil()?.date();
+        let monday = start - Duration::days(i64::from(start.weekday().num_days_from_monday()));
+        Some((time.civil()?.date() - monday).num_days().div_euclid(7) + 1)
     }
 
     /// Whether the instant lies in the span.

@@ -82,18 +82,16 @@ pub fn date_with_weekday(time: Time) -> String {
     }
 }
 
-/// `Week 3 of 125`: weeks of seven days from the day on which the project begins.
+/// `Week 3 of 125`, as the window counts them.
 fn week(scene: &Scene, time: Time) -> Option<String> {
-    const DAY: i64 = 86_400;
     let period = scene.schedule.period;
     if scene.schedule.activities.is_empty() || period.seconds() == 0 {
         return None;
     }
-    let first_day = period.start.seconds().div_euclid(DAY);
-    let week = |seconds: i64| (seconds.div_euclid(DAY) - first_day).div_euclid(7) + 1;
-    let last = week(period.end.seconds() - 1);
-    Some(match week(time.seconds()) {
-        ..=0 => "Before the start".to_owned(),
+    let last = period.week(period.end)?;
+    let first_day = period.start.civil()?.date();
+    Some(match period.week(time)? {
+        _ if time.civil()?.date() < first_day => "Before the start".to_owned(),
         n if n > last => "After the end".to_owned(),
         n => format!("Week {n} of {last}"),
     })

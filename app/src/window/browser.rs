@@ -4,13 +4,13 @@ use super::command::{Command, Panel};
 use super::loading::Project;
 use super::selection::Choose;
 use super::state::AppState;
-use super::theme::{SMALL, palette};
+use super::theme::{SMALL, fold_sign, palette};
 use super::visibility::Shown;
 use crate::report::grouped;
 use egui::{Align, Layout, Rect, RichText, ScrollArea, Sense, Stroke, Ui};
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use topout_scene::{Category, ElementId, Scene};
+use topout_scene::{Category, ElementId, Scene, check};
 
 /// Height of a row, points.
 const ROW: f32 = 20.0;
@@ -108,9 +108,10 @@ impl Browser {
 
 /// What people call an element.
 pub fn name_of(scene: &Scene, id: ElementId) -> &str {
-    let element = &scene.model.elements[id.index()];
-    let names = [element.label.as_str(), &element.name, "unnamed element"];
-    names.into_iter().find(|name| !name.is_empty()).unwrap_or_default()
+    match check::name_of(&scene.model.elements[id.index()]) {
+        "" => "unnamed element",
+        name => name,
+    }
 }
 
 fn groups(project: &Project, by: Grouping) -> Vec<Group> {
@@ -237,13 +238,7 @@ fn group_row(
         let (fold, response) = ui.allocate_exact_size(egui::vec2(14.0, ROW), Sense::click());
         let name = format!("{} {}", if open { "Fold" } else { "Unfold" }, group.name);
         let response = response.accessible_name(name);
-        let color = ui.style().interact(&response).fg_stroke.color;
-        let corners = match open {
-            false => [(-3.0, -4.0), (4.0, 0.0), (-3.0, 4.0)],
-            true => [(-4.0, -3.0), (4.0, -3.0), (0.0, 4.0)],
-        };
-        let corners = corners.map(|(x, y)| fold.center() + egui::vec2(x, y)).to_vec();
-        ui.painter().add(egui::Shape::convex_polygon(corners, color, Stroke::NONE));
+        fold_sign(ui, &response, fold.center(), !open);
         if response.clicked() {
             wanted.unfold(place, !open);
         }

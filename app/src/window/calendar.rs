@@ -2,7 +2,7 @@
 //!
 //! Everything is a pure function of the instant asked for, so scrubbing, jumping and playing agree.
 
-use chrono::{Datelike, Duration, NaiveTime};
+use chrono::NaiveTime;
 use topout_schedule::{Schedule, Time, TimeRange};
 
 /// Seconds of a civil day.
@@ -76,16 +76,9 @@ impl Calendar {
         }
     }
 
-    /// The week of the project, Mondays first; the week of the project's start is 1.
-    pub fn week(&self, time: Time) -> Option<i64> {
-        let start = self.period.start.civil()?.date();
-        let monday = start - Duration::days(i64::from(start.weekday().num_days_from_monday()));
-        Some((time.civil()?.date() - monday).num_days().div_euclid(7) + 1)
-    }
-
     /// `14 Mar 2027, Sunday · week 54`.
     pub fn headline(&self, time: Time) -> String {
-        match (time.civil(), self.week(time)) {
+        match (time.civil(), self.period.week(time)) {
             (Some(civil), Some(week)) => {
                 format!("{} · week {week}", civil.format("%-d %b %Y, %A"))
             }
@@ -150,7 +143,7 @@ mod tests {
         let c = calendar(&[("2026-03-03T08:00", "2028-07-24T13:00")]);
         assert_eq!(c.headline(time("2027-03-14")), "14 Mar 2027, Sunday · week 54");
         assert_eq!(c.headline(time("2027-03-15")), "15 Mar 2027, Monday · week 55");
-        assert_eq!(c.week(time("2026-03-03T08:00")), Some(1));
+        assert_eq!(c.period().week(time("2026-03-03T08:00")), Some(1));
         assert_eq!(short_date(time("2026-03-03")), "3 Mar 2026");
         assert_eq!(short_date(time("2026-03-03T08:30")), "3 Mar 2026 08:30");
     }

@@ -217,7 +217,9 @@ impl AppState {
     /// Writes what is shown to a project file.
     pub(super) fn save_project_to(&mut self, path: PathBuf) {
         let Some(project) = &self.project else { return };
-        let folder = path.parent().unwrap_or(Path::new("")).to_owned();
+        // The folder of a bare file name is the one that the program runs in.
+        let whole = std::path::absolute(&path).unwrap_or_else(|_| path.clone());
+        let folder = whole.parent().unwrap_or(Path::new("")).to_owned();
         let relative = |path: &PathBuf| portable(relative(path, &folder));
         let request = &project.request;
         let now = Viewpoint {
@@ -359,6 +361,14 @@ mod tests {
         assert_eq!(left.project_file.as_ref(), Some(&file));
         let text = std::fs::read_to_string(&file).unwrap();
         assert!(text.contains("\"a.glb\"") && text.contains("\"../plan.xml\""), "{text}");
+
+        // A model that was opened by its bare name: so is the project file beside it.
+        let (here, name) = (std::env::current_dir().unwrap(), "a_bare_name_of_a_test.topout");
+        let mut bare = state(&["a"], &here);
+        bare.save_project_to(name.into());
+        let text = std::fs::read_to_string(name).unwrap();
+        std::fs::remove_file(name).unwrap();
+        assert!(text.contains("\"models/a.glb\"") && text.contains("\"plan.xml\""), "{text}");
 
         let (request, saved) = read(&file).unwrap();
         assert_eq!(request.models, [Source::File(folder.path().join("models/a.glb"))]);

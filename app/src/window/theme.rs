@@ -95,6 +95,17 @@ pub fn kind_color(kind: &Kind, dark: bool) -> Color32 {
     Color32::from_rgb(r, g, b)
 }
 
+/// A triangle that points to the right where something is folded, and down where it is not.
+pub fn fold_sign(ui: &egui::Ui, response: &egui::Response, at: egui::Pos2, folded: bool) {
+    let corners = match folded {
+        true => [(-3.0, -4.0), (4.0, 0.0), (-3.0, 4.0)],
+        false => [(-4.0, -3.0), (4.0, -3.0), (0.0, 4.0)],
+    };
+    let corners = corners.map(|(x, y)| at + egui::vec2(x, y)).to_vec();
+    let color = ui.style().interact(response).fg_stroke.color;
+    ui.painter().add(egui::Shape::convex_polygon(corners, color, Stroke::NONE));
+}
+
 /// Sets both looks; call once.
 pub fn install(ctx: &Context) {
     for (theme, palette) in [(Theme::Dark, &DARK), (Theme::Light, &LIGHT)] {

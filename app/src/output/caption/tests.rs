@@ -134,10 +134,10 @@ fn a_caption_tells_date_week_and_work() {
     };
     let told = |title: &str, line: &str, count| (title.to_owned(), line.to_owned(), count);
     assert_eq!(at(-1, 23), told("Mon 2 Mar 2026", "Before the start · 0 activities at work", 0));
-    assert_eq!(at(0, 0), told("Tue 3 Mar 2026", "Week 1 of 3 · 1 activity at work", 1));
-    assert_eq!(at(2, 12), told("Thu 5 Mar 2026", "Week 1 of 3 · 3 activities at work", 3));
-    assert_eq!(at(7, 0), told("Tue 10 Mar 2026", "Week 2 of 3 · 2 activities at work", 2));
-    assert_eq!(at(20, 0), told("Mon 23 Mar 2026", "Week 3 of 3 · 0 activities at work", 0));
+    assert_eq!(at(0, 0), told("Tue 3 Mar 2026", "Week 1 of 4 · 1 activity at work", 1));
+    assert_eq!(at(2, 12), told("Thu 5 Mar 2026", "Week 1 of 4 · 3 activities at work", 3));
+    assert_eq!(at(7, 0), told("Tue 10 Mar 2026", "Week 2 of 4 · 2 activities at work", 2));
+    assert_eq!(at(20, 0), told("Mon 23 Mar 2026", "Week 4 of 4 · 0 activities at work", 0));
     assert_eq!(at(30, 0), told("Thu 2 Apr 2026", "After the end · 0 activities at work", 0));
     let legend = Caption::at(&scene, scene.schedule.period.start, Colored::Slip).legend;
     assert_eq!(legend.len(), SlipClass::WORDS.len());

@@ -11,7 +11,7 @@ use super::calendar::{DAY, day_date, short_date};
 use super::command::Command;
 use super::loading::Project;
 use super::state::AppState;
-use super::theme::{SMALL, kind_color, palette};
+use super::theme::{SMALL, fold_sign, kind_color, palette};
 use super::timeline::axis::{self, Axis, RULER_ROW};
 use crate::report::grouped;
 use bars::Bars;
@@ -206,14 +206,7 @@ fn name_cell(ui: &mut Ui, depth: u16, text: RichText, fold: Option<bool>) -> Opt
     if let Some(folded) = fold {
         let name = format!("{} {}", if folded { "Unfold" } else { "Fold" }, text.text());
         let response = response.accessible_name(name);
-        let color = ui.style().interact(&response).fg_stroke.color;
-        let middle = place.center();
-        let corners = match folded {
-            true => [(-3.0, -4.0), (4.0, 0.0), (-3.0, 4.0)],
-            false => [(-4.0, -3.0), (4.0, -3.0), (0.0, 4.0)],
-        };
-        let corners = corners.map(|(x, y)| middle + egui::vec2(x, y)).to_vec();
-        ui.painter().add(egui::Shape::convex_polygon(corners, color, Stroke::NONE));
+        fold_sign(ui, &response, place.center(), folded);
         toggled = response.clicked().then_some(!folded);
     }
     ui.add(egui::Label::new(text).truncate().selectable(false));
