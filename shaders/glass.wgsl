@@ -57,6 +57,27 @@ fn glass_fragment(v: GlassOut) -> @location(0) vec4<f32> {
     return over(v.color, v.clip.xy);
 }
 
+struct CutOut {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) color: vec4<f32>,
+    @location(1) from_eye: vec3<f32>,
+}
+
+@vertex
+fn glass_cut_vertex(in: VertexIn) -> CutOut {
+    let placed = place(in);
+    let out = lit(placed, in.packed >> 16u, in.look);
+    return CutOut(out.clip, out.color, placed.from_eye);
+}
+
+@fragment
+fn glass_cut_fragment(v: CutOut) -> @location(0) vec4<f32> {
+    if !is_shown_by_planes(v.from_eye) {
+        discard;
+    }
+    return over(v.color, v.clip.xy);
+}
+
 struct FadingOut {
     @builtin(position) clip: vec4<f32>,
     @location(0) color: vec4<f32>,

@@ -8,15 +8,24 @@ struct MaskIn {
     @location(4) row_z: vec4<f32>,
 }
 
+struct MaskOut {
+    @builtin(position) position: vec4<f32>,
+    @location(0) from_eye: vec3<f32>,
+}
+
 @vertex
-fn mask_vertex(in: MaskIn) -> @builtin(position) vec4<f32> {
+fn mask_vertex(in: MaskIn) -> MaskOut {
     let p = vec4<f32>(in.position, 1.0);
     let world = vec3<f32>(dot(in.row_x, p), dot(in.row_y, p), dot(in.row_z, p));
-    return frame.clip_from_world * vec4<f32>(world, 1.0);
+    return MaskOut(frame.clip_from_world * vec4<f32>(world, 1.0), world - frame.eye);
 }
 
 @fragment
-fn mask_fragment(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+fn mask_fragment(in: MaskOut) -> @location(0) vec4<f32> {
+    if !is_shown_by_planes(in.from_eye) {
+        discard;
+    }
+    let position = in.position;
     let drawn = textureLoad(depth, vec2<i32>(position.xy), 0);
     // What is drawn may be a cluster, off by the tolerance. Over the width of a pixel at its distance, depth
     // changes by `1 / bend` of itself, in parallel projection of everything.

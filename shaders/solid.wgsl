@@ -41,6 +41,27 @@ fn solid_fragment(v: SolidOut) -> @location(0) vec4<f32> {
     return vec4<f32>(v.color, 1.0);
 }
 
+struct CutOut {
+    @builtin(position) clip: vec4<f32>,
+    @location(0) color: vec3<f32>,
+    @location(1) from_eye: vec3<f32>,
+}
+
+@vertex
+fn solid_cut_vertex(in: VertexIn) -> CutOut {
+    let placed = place(in);
+    let out = lit(placed, in.packed >> 16u, in.look);
+    return CutOut(out.clip, out.color, placed.from_eye);
+}
+
+@fragment
+fn solid_cut_fragment(v: CutOut) -> @location(0) vec4<f32> {
+    if !is_shown_by_planes(v.from_eye) {
+        discard;
+    }
+    return vec4<f32>(v.color, 1.0);
+}
+
 struct FadingOut {
     @builtin(position) clip: vec4<f32>,
     @location(0) color: vec3<f32>,

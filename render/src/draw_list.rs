@@ -75,6 +75,8 @@ pub(crate) struct DrawList {
     present: Vec<bool>,
     /// Elements drawn exactly.
     pub visible: Vec<ElementId>,
+    /// Elements that section planes cut, drawn exactly as far as they are shown.
+    pub cut: Vec<ElementId>,
 }
 
 impl DrawList {
@@ -88,10 +90,11 @@ impl DrawList {
         self.elements.clear();
         self.clusters.clear();
         self.visible.clear();
+        self.cut.clear();
         self.fading.iter_mut().for_each(Commands::clear);
     }
 
-    /// Finds the elements that are present at `time` and not outside the frame. Every distinct
+    /// Finds the elements that are present at `time` and outside neither the frame nor the section. Every distinct
     /// behaviour is asked once.
     pub fn gather_visible(&mut self, scene: &Scene, view: &View, time: Time, culling: bool) {
         self.present.clear();
@@ -103,7 +106,11 @@ impl DrawList {
             if !present || (culling && frustum.test(&element.bounds) == Containment::Outside) {
                 continue;
             }
-            self.visible.push(ElementId(id));
+            match view.clip.test(&element.bounds) {
+                Containment::Outside => {}
+                Containment::Partly => self.cut.push(ElementId(id)),
+                Containment::Inside => self.visible.push(ElementId(id)),
+            }
         }
     }
 
@@ -196,7 +203,7 @@ impl DrawList {
 }
 
 /// The commands of an element, one per instance and layer.
-fn push_element(
+pub(crate) fn push_element(
     layers: &mut Layers,
     id: ElementId,
     model: &Model,

@@ -1,8 +1,8 @@
 //! What the shaders know of a frame.
 
 use crate::sun;
-use glam::{DVec3, Mat4, Vec2, Vec3};
-use topout_scene::{Aabb, Projection, View};
+use glam::{DVec3, Mat4, Vec2, Vec3, Vec4};
+use topout_scene::{Aabb, Clip, Projection, View};
 
 /// The twin of `Frame` in `shaders/common/frame.wgsl`; a test compares the two.
 #[repr(C)]
@@ -30,9 +30,10 @@ pub(crate) struct FrameUniform {
     pub accent: Vec3,
     pub slack_px: f32,
     pub day: f32,
+    pub planes: u32,
     pub padding_x: f32,
     pub padding_y: f32,
-    pub padding_z: f32,
+    pub section: [Vec4; Clip::MOST],
 }
 
 /// Where the ground is: at height zero of the project if the scene reaches below and above it, as
@@ -108,9 +109,12 @@ impl FrameUniform {
             // What is drawn and what is selected may both be off, and by half a pixel more.
             slack_px: 1.0 + 2.0 * view.tolerance_px,
             day: 1.0,
+            planes: view.clip.planes().len() as u32,
             padding_x: 0.0,
             padding_y: 0.0,
-            padding_z: 0.0,
+            section: std::array::from_fn(|i| {
+                view.clip.planes().get(i).copied().unwrap_or_default()
+            }),
         }
     }
 

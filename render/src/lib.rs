@@ -15,6 +15,7 @@ mod passes;
 mod pool;
 mod readback;
 mod renderer;
+mod section;
 mod selection;
 mod shader;
 mod sun;

@@ -7,6 +7,7 @@ use std::ops::Range;
 use topout_scene::hdlod::Indices;
 use topout_scene::{Hdlod, Material, Mesh, Scene, Vertex, hdlod};
 use topout_schedule::Look;
+use wgpu::util::DrawIndexedIndirectArgs;
 use wgpu::{BufferUsages, IndexFormat};
 
 /// Bytes of one vertex.
@@ -158,6 +159,32 @@ impl Geometry {
 }
 
 impl Pool {
+    /// Of the scene or of the clusters: what commands read.
+    pub fn set_buffers(&self, pass: &mut wgpu::RenderPass<'_>, geometry: &Geometry) {
+        pass.set_vertex_buffer(0, geometry.vertices.slice(..));
+        pass.set_vertex_buffer(1, self.instances.slice(..));
+        pass.set_vertex_buffer(2, self.looks.slice(..));
+        pass.set_index_buffer(geometry.indices.slice(..), geometry.format);
+    }
+
+    /// Carries out commands one by one.
+    pub fn draw(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        geometry: &Geometry,
+        commands: &[DrawIndexedIndirectArgs],
+    ) {
+        if commands.is_empty() {
+            return;
+        }
+        self.set_buffers(pass, geometry);
+        for c in commands {
+            let indices = c.first_index..c.first_index + c.index_count;
+            let instance = c.first_instance..c.first_instance + 1;
+            pass.draw_indexed(indices, c.base_vertex, instance);
+        }
+    }
+
     /// Uploads a scene.
     ///
     /// # Errors

@@ -13,6 +13,7 @@ use crate::looks::FrameLooks;
 use crate::passes::{Edges, Glass, Ground, SceneBindings, Sky, Smooth, Solid};
 use crate::pool::Pool;
 use crate::readback::{Picture, texture_bytes};
+use crate::section::Section;
 use crate::selection::Selection;
 use crate::targets::Targets;
 use crate::timing::{GpuTimer, GpuTimes, Laps, Pass};
@@ -114,6 +115,7 @@ pub struct Renderer {
     /// Of the scene.
     origin: DVec3,
     selection: Selection,
+    section: Section,
     looks: FrameLooks,
 }
 
@@ -168,6 +170,7 @@ impl Renderer {
             bounds: Aabb::EMPTY,
             origin: DVec3::ZERO,
             selection: Selection::default(),
+            section: Section::default(),
             looks: FrameLooks::default(),
         }
     }
@@ -213,6 +216,7 @@ impl Renderer {
         self.scene_group = self.bindings.bind(&self.gpu, &self.frame, &self.empty_materials);
         let pool = Pool::new(&self.gpu, scene)?;
         self.scene_group = self.bindings.bind(&self.gpu, &self.frame, &pool.materials);
+        self.section.set_model(&scene.model);
         self.pool = Some(pool);
         self.bounds = scene.model.bounds();
         self.origin = scene.model.origin;
@@ -337,8 +341,8 @@ impl Renderer {
         stats.frame = self.frames;
         // What is left of the clusters is one draw a layer.
         let packed = if culled { 2 } else { 0 };
-        stats.draws = self.list.len() as u64 + packed;
-        let elements = self.list.elements.triangles();
+        stats.draws = (self.list.len() + self.section.layers.len()) as u64 + packed;
+        let elements = self.list.elements.triangles() + self.section.layers.triangles();
         if self.cuts(input.mode) {
             let left = self.culler.as_ref().and_then(Culler::left);
             stats.left = left.map(|left| left + elements);
@@ -393,6 +397,7 @@ impl Renderer {
         self.pool.as_ref().map_or(0, Pool::bytes)
             + self.targets.bytes()
             + self.selection.bytes()
+            + self.section.bytes()
             + self.culler.as_ref().map_or(0, Culler::bytes)
             + self.commands.size()
             + self.frame.size()
@@ -415,6 +420,7 @@ impl Renderer {
 
     fn new_targets(&mut self, size: UVec2) {
         self.selection.forget_targets();
+        self.section.forget_targets();
         self.targets = Targets::new(&self.gpu, size, self.passes.samples);
         self.bind_pictures();
     }
@@ -432,6 +438,7 @@ impl Renderer {
     fn select(&mut self, view: &View, time: Time, mode: DrawMode) -> FrameStats {
         let mut stats = FrameStats::default();
         self.list.clear();
+        self.section.clear();
         if let Some(culler) = &mut self.culler {
             culler.set_spans(&[]);
         }
@@ -443,15 +450,18 @@ impl Renderer {
         let (marks, through) = (self.looks.marks(), self.looks.see_through());
         match (&self.hdlod, mode) {
             (Some(tree), DrawMode::Hdlod) => {
-                let mut selection = if self.options.fades() {
+                // What a plane cuts does not fade.
+                let mut selection = if self.options.fades() && view.clip.is_none() {
                     let frame = Fading { scene, tree, view, time, marks, through };
                     let (now, length) = (self.started.elapsed(), self.options.fade);
                     fading_cut(&mut self.list, &mut self.fader, &frame, tree, pool, now, length)
                 } else {
+                    self.fader.clear();
                     cut(scene, tree, view, time, marks)
                 };
                 stats.fading = self.fader.count();
                 self.list.visible.append(&mut selection.elements);
+                self.list.cut.append(&mut selection.cut);
                 let geometry = pool.clusters.as_ref();
                 match self.culler.as_mut().filter(|c| geometry.is_some_and(|g| c.suits(g))) {
                     Some(culler) => {
@@ -477,13 +487,15 @@ impl Renderer {
             }
         }
         let model = &scene.model;
-        for id in self.list.visible.extract_if(.., |id| through.hides(*id)) {
-            if mode == DrawMode::Hdlod {
-                let own = model.triangles_of(&model.elements[id.index()]) as u64;
-                stats.triangles = stats.triangles.saturating_sub(own);
+        for elements in [&mut self.list.visible, &mut self.list.cut] {
+            for id in elements.extract_if(.., |id| through.hides(*id)) {
+                if mode == DrawMode::Hdlod {
+                    let own = model.triangles_of(&model.elements[id.index()]) as u64;
+                    stats.triangles = stats.triangles.saturating_sub(own);
+                }
             }
         }
-        stats.elements = self.list.visible.len() as u32;
+        stats.elements = (self.list.visible.len() + self.list.cut.len()) as u32;
         stats
     }
 
@@ -504,7 +516,9 @@ impl Renderer {
             laps.end(Pass::Cull);
         }
         if let (Some(scene), Some(pool)) = (&self.scene, &self.pool) {
-            self.list.push_elements(&scene.model, &pool.meshes, self.looks.see_through());
+            let through = self.looks.see_through();
+            self.list.push_elements(&scene.model, &pool.meshes, through);
+            self.section.set_elements(&self.list.cut, &scene.model, pool, through);
         }
         let indirect =
             mode != DrawMode::Objects && self.gpu.has(wgpu::Features::INDIRECT_FIRST_INSTANCE);
@@ -515,7 +529,7 @@ impl Renderer {
             .device
             .create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("frame") });
         // Only where the scene can be is there anything to smooth or to line.
-        let anything = self.list.len() > 0 || culled;
+        let anything = self.list.len() + self.section.layers.len() > 0 || culled;
         let finish = covered
             .filter(|_| anything && (self.passes.smooth.is_some() || self.options.edges > 0.0));
         let from_above = uniform.sees_ground_from_above();
@@ -527,6 +541,13 @@ impl Renderer {
         let scene = self.scene.as_ref().filter(|_| !self.selection.elements.is_empty());
         let outline = scene
             .and_then(|s| self.selection.choose(s, view, time, &uniform, self.looks.see_through()));
+        if let (Some(pool), Some(rectangle), true) =
+            (&self.pool, covered, self.section.has_solids())
+        {
+            let scene = (&self.bindings, &self.scene_group);
+            let targets = &self.targets;
+            self.section.draw_sums(&self.gpu, &mut encoder, scene, targets, pool, rectangle);
+        }
         self.draw_scene(&mut encoder, mode, offsets, culled, from_above);
         laps.end(Pass::Scene);
         if let (Some(_), Some(scene), Some(pool)) = (outline, &self.scene, &self.pool) {

@@ -1,6 +1,7 @@
 //! Elements in the colours of what they are, where they are, or by whom they are done.
 
 use crate::link::names_a_layer;
+use crate::storeys::middle_foot;
 use crate::{ElementId, Looks, Scene};
 use std::collections::HashMap;
 use topout_schedule::Look;
@@ -83,16 +84,9 @@ impl Category {
         }
         match self {
             Self::Storey => groups.sort_by_cached_key(|(name, elements)| {
-                let mut feet: Vec<f32> = elements
-                    .iter()
-                    .map(|id| &scene.model.elements[id.index()].bounds)
-                    .filter(|bounds| !bounds.is_empty())
-                    .map(|bounds| bounds.min.y)
-                    .collect();
-                let middle = feet.len() / 2;
-                feet.sort_unstable_by(f32::total_cmp);
+                let foot = middle_foot(&scene.model, elements);
                 // Millimetres: whole numbers have an order.
-                let foot = feet.get(middle).map_or(i64::MAX, |foot| (foot * 1000.0) as i64);
+                let foot = foot.map_or(i64::MAX, |foot| (foot * 1000.0) as i64);
                 (name.is_empty(), foot, *name)
             }),
             Self::Type | Self::Layer => groups.sort_by(|(a, of_a), (b, of_b)| {

@@ -6,6 +6,7 @@
 pub mod cache;
 mod category_looks;
 pub mod check;
+mod clip;
 pub mod demo;
 mod edit;
 pub mod export;
@@ -23,9 +24,12 @@ pub mod properties;
 #[allow(clippy::module_inception)]
 mod scene;
 mod slip_looks;
+mod solid;
+mod storeys;
 mod view;
 
 pub use category_looks::{Category, LegendRow};
+pub use clip::Clip;
 pub use edit::{EditError, Edited, Renumbering};
 pub use geometry::{Aabb, Layer, Mesh, Vertex, decode_normal, encode_normal};
 pub use hdlod::{Hdlod, Selection};
@@ -37,4 +41,6 @@ pub use scene::{
     BehaviourId, Element, ElementId, Group, GroupId, Instance, Material, MeshId, Model, Scene,
 };
 pub use slip_looks::slip_color;
+pub use solid::{Solidity, Solids};
+pub use storeys::{Storey, storeys};
 pub use view::{Containment, Frustum, Lens, NamedView, Projection, View};

@@ -1,7 +1,8 @@
 //! Picking: which present element a ray meets first.
 
-use crate::{Aabb, ElementId, Instance, Mesh, Scene};
+use crate::{Aabb, Clip, ElementId, Mesh, Scene, Solids};
 use glam::{Affine3A, DVec3, Vec3};
+use std::ops::RangeInclusive;
 use std::sync::OnceLock;
 use topout_schedule::Time;
 
@@ -20,6 +21,10 @@ pub struct Hit {
     pub distance: f32,
     /// The point met, local space.
     pub point: Vec3,
+    /// The surface's unit normal there, on the side that the ray comes from.
+    pub normal: Vec3,
+    /// The corners of the triangle met; where the cut of a solid is met, that point.
+    pub corners: [Vec3; 3],
 }
 
 /// A tree over the elements' boxes. Belongs to the scene it was built for.
@@ -28,6 +33,19 @@ pub struct Picker {
     elements: Tree,
     /// A tree over the triangles of each large mesh, built when first met.
     meshes: Vec<OnceLock<Tree>>,
+    solids: Solids,
+}
+
+/// Where a ray meets a triangle.
+#[derive(Clone, Copy)]
+struct Met {
+    /// Lengths of the ray's direction.
+    at: f64,
+    /// Of the triangle, counter-clockwise, of any length.
+    normal: DVec3,
+    corners: [Vec3; 3],
+    /// The instance that it belongs to.
+    instance: usize,
 }
 
 impl Picker {
@@ -35,61 +53,93 @@ impl Picker {
     pub fn new(scene: &Scene) -> Self {
         let boxes: Vec<Aabb> = scene.model.elements.iter().map(|e| e.bounds).collect();
         let meshes = scene.model.meshes.iter().map(|_| OnceLock::new()).collect();
-        Self { elements: Tree::new(&boxes), meshes }
+        Self { elements: Tree::new(&boxes), meshes, solids: Solids::new(&scene.model) }
     }
 
     /// The nearest element that is present at `time` on the ray from `origin` (local space) along
     /// `direction` (any length). Both sides of a triangle count, transparent ones too.
     pub fn pick(&self, scene: &Scene, origin: Vec3, direction: Vec3, time: Time) -> Option<Hit> {
-        self.pick_among(scene, origin, direction, time, |_| true)
+        self.pick_among(scene, origin, direction, time, &Clip::NONE, |_| true)
     }
 
-    /// [`Picker::pick`] of the elements that are `wanted`.
+    /// [`Picker::pick`] of the elements that are `wanted`, as far as `clip` shows them. Where a solid is cut
+    /// open, the cut is met.
     pub fn pick_among(
         &self,
         scene: &Scene,
         origin: Vec3,
         direction: Vec3,
         time: Time,
+        clip: &Clip,
         wanted: impl Fn(ElementId) -> bool,
     ) -> Option<Hit> {
         let ray = Ray::new(origin, direction)?;
-        let mut best: Option<(f64, ElementId)> = None;
-        self.elements.visit(&ray, &Affine3A::IDENTITY, |e, limit: &mut f64| {
+        let part = clip.part_of_ray(ray.origin, ray.direction)?;
+        let mut best: Option<(Met, ElementId)> = None;
+        let identity = Affine3A::IDENTITY;
+        self.elements.visit(&ray, &identity, part.to, |e, limit: &mut f64| {
             let id = ElementId(e);
             if !scene.behaviour(id).at(time) || !wanted(id) {
                 return;
             }
-            for instance in scene.model.instances_of(&scene.model.elements[id.index()]) {
-                if let Some(t) = self.instance(scene, instance, &ray, *limit) {
+            for instance in scene.model.elements[id.index()].instances.clone() {
+                if let Some(met) = self.instance(scene, instance as usize, &ray, part.from..=*limit)
+                {
                     // Of two at the same distance the first element is met, in whatever order.
-                    if best.is_none_or(|(known, other)| t < known || (t == known && id < other)) {
-                        best = Some((t, id));
+                    let nearer = |(known, other): (Met, _)| {
+                        met.at < known.at || (met.at == known.at && id < other)
+                    };
+                    if best.is_none_or(nearer) {
+                        best = Some((met, id));
                     }
-                    *limit = t;
+                    *limit = met.at;
                 }
             }
         });
-        best.map(|(t, element)| {
-            let point = (ray.origin + ray.direction * t).as_vec3();
-            Hit { element, distance: t as f32, point }
+        best.map(|(met, element)| {
+            let leaves = met.normal.dot(ray.direction) > 0.0;
+            let outward = || self.solids.faces_outward(&scene.model, met.instance);
+            let point = |at: f64| (ray.origin + ray.direction * at).as_vec3();
+            match part.through.filter(|_| outward() == Some(leaves)) {
+                // From within a solid: the ray came in through the cut.
+                Some(normal) => {
+                    let (distance, point) = (part.from as f32, point(part.from));
+                    Hit { element, distance, point, normal, corners: [point; 3] }
+                }
+                None => {
+                    let normal = met.normal.as_vec3().normalize_or_zero();
+                    let normal = if leaves { -normal } else { normal };
+                    let (distance, point) = (met.at as f32, point(met.at));
+                    Hit { element, distance, point, normal, corners: met.corners }
+                }
+            }
         })
     }
 
-    /// Distance to the nearest triangle of an instance, if it is not beyond `limit`.
-    fn instance(&self, scene: &Scene, instance: &Instance, ray: &Ray, limit: f64) -> Option<f64> {
+    /// The nearest triangle of an instance whose distance is in `within`.
+    fn instance(
+        &self,
+        scene: &Scene,
+        at: usize,
+        ray: &Ray,
+        within: RangeInclusive<f64>,
+    ) -> Option<Met> {
+        let instance = &scene.model.instances[at];
         let mesh = &scene.model.meshes[instance.mesh.index()];
         let transform = &instance.world_from_mesh;
+        let (start, mut limit) = within.into_inner();
         let mut best = None;
         let mut test = |triangle: usize, limit: &mut f64| {
-            if let Some(t) = ray.meets(&corners(mesh, transform, triangle))
-                && t <= *limit
+            let corners = corners(mesh, transform, triangle);
+            if let Some(t) = ray.meets(&corners)
+                && (start..=*limit).contains(&t)
             {
                 *limit = t;
-                best = Some(t);
+                let [a, b, c] = corners.map(|p| p.as_dvec3());
+                let normal = (b - a).cross(c - a);
+                best = Some(Met { at: t, normal, corners, instance: at });
             }
         };
-        let mut limit = limit;
         if mesh.triangle_count() <= SMALL_MESH {
             (0..mesh.triangle_count()).for_each(|t| test(t, &mut limit));
         } else {
@@ -99,7 +149,7 @@ impl Picker {
                     .collect();
                 Tree::new(&boxes)
             });
-            tree.visit_from(ray, transform, limit, |t, limit| test(t as usize, limit));
+            tree.visit(ray, transform, limit, |t, limit| test(t as usize, limit));
         }
         best
     }
@@ -199,13 +249,9 @@ impl Tree {
         Self { nodes, items: items.into_iter().map(|i| i.1).collect() }
     }
 
-    fn visit(&self, ray: &Ray, transform: &Affine3A, test: impl FnMut(u32, &mut f64)) {
-        self.visit_from(ray, transform, f64::INFINITY, test);
-    }
-
     /// Calls `test` for the items whose box the ray enters before `limit`, nearer ones first by
     /// and large; `test` may lower the limit.
-    fn visit_from(
+    fn visit(
         &self,
         ray: &Ray,
         transform: &Affine3A,
@@ -281,7 +327,7 @@ fn split(boxes: &[Aabb], items: &mut [(Vec3, u32)], first: u32) -> Vec<Node> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::{Element, MeshId, Model, Vertex, link};
+    use crate::{Element, Instance, MeshId, Model, Solidity, Vertex, link};
     use glam::Quat;
     use proptest::prelude::*;
     use topout_schedule::{Activity, Diagnostics, Schedule};
@@ -417,6 +463,48 @@ mod tests {
         assert_eq!(pick(Vec3::NAN, 10), None);
     }
 
+    /// A box of 2 m at 10 m, hollow as solids are, is cut in the middle: the cut is met, with its normal; beyond a
+    /// section nothing is.
+    #[test]
+    fn what_is_cut_open_is_met_at_the_cut() {
+        let corners = Aabb { min: Vec3::splat(-1.0), max: Vec3::ONE }.corners();
+        // By corner: bit 0 is x, bit 1 is y, bit 2 is z.
+        let quads =
+            [[0, 4, 6, 2], [1, 3, 7, 5], [0, 1, 5, 4], [0, 2, 3, 1], [4, 5, 7, 6], [2, 6, 7, 3]];
+        let triangles = quads.iter().flat_map(|[a, b, c, d]| [[*a, *b, *c], [*a, *c, *d]]);
+        let vertices =
+            corners.map(|c: Vec3| Vertex { position: c.into(), normal: [0, 127], material: 0 });
+        let indices: Vec<u32> = triangles.flatten().collect();
+        let bounds = Aabb::of_points(corners);
+        let solid = Mesh { opaque: 36, vertices: vertices.into(), indices, bounds };
+        assert_eq!(Solidity::of(&solid), Solidity::Outward);
+        let mut torn = solid.clone();
+        torn.indices.truncate(30);
+        torn.opaque = 30;
+        for (mesh, scale, met) in [(&solid, 1.0, 10.0), (&solid, -1.0, 10.0), (&torn, 1.0, 11.0)] {
+            let scale = Vec3::new(1.0, 1.0, scale);
+            let place = Affine3A::from_scale_rotation_translation(
+                scale,
+                Quat::from_rotation_y(std::f32::consts::FRAC_PI_2),
+                Vec3::X * 10.0,
+            );
+            let scene = scene(vec![mesh.clone()], &[place]);
+            let picker = Picker::new(&scene);
+            let pick = |clip: &Clip| {
+                let (at, time) = (Vec3::new(0.0, 0.1, 0.2), Time::from_seconds(0));
+                picker.pick_among(&scene, at, Vec3::X, time, clip, |_| true)
+            };
+            let mut clip = Clip::NONE;
+            assert_eq!(pick(&clip).map(|h| h.distance), Some(9.0));
+            clip.cut(Vec3::X * 10.0, Vec3::NEG_X);
+            let hit = pick(&clip).unwrap();
+            assert!((hit.distance - met).abs() < 1e-4, "{hit:?}");
+            assert_eq!(hit.normal.round(), Vec3::NEG_X);
+            clip.cut(Vec3::X * 9.5, Vec3::X);
+            assert_eq!(pick(&clip), None);
+        }
+    }
+
     #[test]
     fn an_empty_scene_has_nothing_to_pick() {
         let scene = Scene::default();
@@ -433,7 +521,7 @@ mod tests {
         assert!(items.into_iter().eq(0..100_000));
         let mut met = 0;
         let ray = Ray::new(Vec3::splat(0.5), Vec3::X).unwrap();
-        tree.visit(&ray, &Affine3A::IDENTITY, |_, _| met += 1);
+        tree.visit(&ray, &Affine3A::IDENTITY, f64::INFINITY, |_, _| met += 1);
         assert_eq!(met, 100_000);
     }
 }

@@ -1,6 +1,6 @@
 //! The camera, its picture, and what an error in metres means in pixels.
 
-use crate::Aabb;
+use crate::{Aabb, Clip};
 use glam::camera::rh::{proj::directx, view};
 use glam::{Mat3, Mat4, UVec2, Vec2, Vec3, Vec4};
 
@@ -19,7 +19,7 @@ pub enum Projection {
     },
 }
 
-/// Camera, picture size and tolerance: everything that a selection depends on besides the date.
+/// Camera, section, picture size and tolerance: everything that a selection depends on besides the date.
 ///
 /// Up is +Y. The picture is `size` physical pixels; depth is reversed (1 near, 0 far).
 #[derive(Clone, Copy, PartialEq, Debug)]
@@ -36,6 +36,8 @@ pub struct View {
     pub size: UVec2,
     /// Largest error allowed on the picture, physical pixels.
     pub tolerance_px: f32,
+    /// The part of space that is shown.
+    pub clip: Clip,
 }
 
 /// The standard directions of `--view` and of the axis buttons.
@@ -125,6 +127,7 @@ impl View {
             projection: Projection::Perspective { fov_y: Self::FOV_Y },
             size: size.max(UVec2::ONE),
             tolerance_px: 1.0,
+            clip: Clip::NONE,
         }
     }
 

@@ -42,9 +42,12 @@ struct Frame {
     slack_px: f32,
     // 1 by day, 0 by night.
     day: f32,
+    // How many section planes there are.
+    planes: u32,
     padding_x: f32,
     padding_y: f32,
-    padding_z: f32,
+    // Shown is where the product of a plane with (x, y, z, 1) is not negative.
+    section: array<vec4<f32>, 12>,
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;

@@ -13,7 +13,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use topout_render::{DrawMode, Gpu, GpuError, Options, Renderer};
 use topout_scene::cache::Cache;
-use topout_scene::{ElementId, Looks, NamedView, Progress, Projection, Scene, View, hdlod};
+use topout_scene::{Clip, ElementId, Looks, NamedView, Progress, Projection, Scene, View, hdlod};
 use topout_schedule::DateSet;
 
 /// A scene that can be drawn.
@@ -239,7 +239,16 @@ pub fn view(common: &args::Common, looking: &args::Looking, scene: &Scene) -> an
         (Some(eye), Some(target)) => free_view(eye, target, common.size, scene)?,
         _ => fitted(common, looking, scene, 0.0),
     };
-    Ok(View { tolerance_px: common.tolerance, ..view })
+    Ok(View { tolerance_px: common.tolerance, clip: clip(looking, scene)?, ..view })
+}
+
+fn clip(looking: &args::Looking, scene: &Scene) -> anyhow::Result<Clip> {
+    let mut clip = Clip::NONE;
+    for half in &looking.section {
+        let at = (half.point - scene.model.origin).as_vec3();
+        anyhow::ensure!(clip.cut(at, half.outward), "--section: at most {} planes", Clip::MOST);
+    }
+    Ok(clip)
 }
 
 /// The same for a camera that turns by so many degrees: far enough away that everything stays in the frame,
@@ -282,5 +291,6 @@ fn free_view(eye: DVec3, target: DVec3, size: UVec2, scene: &Scene) -> anyhow::R
         projection: Projection::Perspective { fov_y: View::FOV_Y },
         size,
         tolerance_px: 1.0,
+        clip: Clip::NONE,
     })
 }

@@ -5,7 +5,7 @@
 
 use glam::{Mat3, UVec2, Vec2, Vec3};
 use std::f32::consts::{FRAC_PI_2, TAU};
-use topout_scene::{Aabb, NamedView, Projection, View};
+use topout_scene::{Aabb, Clip, NamedView, Projection, View};
 
 /// Metres that one zoom step moves at least, so that zooming in passes through what is in front
 /// instead of creeping up to it for ever.
@@ -84,6 +84,7 @@ impl Camera {
             projection,
             size: size.max(UVec2::ONE),
             tolerance_px,
+            clip: Clip::NONE,
         }
     }
 

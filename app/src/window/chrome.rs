@@ -37,6 +37,14 @@ const MENUS: [(&str, &[&str]); 6] = [
             "Save viewpoint",
             "Viewpoints…",
             "",
+            "Section",
+            "Section box around selection",
+            "Section box around all",
+            "Remove section",
+            "Section…",
+            "Measure",
+            "Remove distances",
+            "",
             "Parallel projection",
             "Walk",
             "Fly",
@@ -212,7 +220,10 @@ pub fn is_enabled(state: &AppState, command: &Command) -> bool {
         Command::DrawSelection(_) | Command::Isolate(_) | Command::FitSelection => {
             !state.selected.elements().is_empty()
         }
-        Command::ClearSelection => !state.selected.is_empty(),
+        Command::ClearSelection => !state.selected.is_empty() || state.measure.on,
+        Command::SectionBox(true) => !state.selected.elements().is_empty(),
+        Command::ClearSection => !state.section.is_empty(),
+        Command::ClearMeasures => !state.measure.taken.is_empty(),
         Command::ShowAll => !state.visibility.is_default(),
         _ => true,
     }
@@ -228,6 +239,9 @@ fn is_on(state: &AppState, command: &Command) -> bool {
         Command::ToggleParallel => state.camera.parallel,
         Command::Navigate(navigation) => state.navigation == *navigation,
         Command::SetMouse(mouse) => state.mouse == *mouse,
+        Command::ToggleSection => state.section.on,
+        Command::ToggleMeasure => state.measure.on,
+        Command::Toggle(Panel::Section) => state.panels.section,
         Command::Toggle(Panel::Viewpoints) => state.panels.viewpoints,
         Command::Toggle(Panel::Export) => state.panels.export,
         Command::ToggleLevelColors => state.level_colors,

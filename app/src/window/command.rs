@@ -6,6 +6,7 @@ use super::clock::{Speed, Step};
 use super::export::Export;
 use super::gantt::Filter;
 use super::navigation::{Mouse, Navigation};
+use super::section::Section;
 use super::selection::Choose;
 use super::shown::ElementColors;
 use super::theme::Scheme;
@@ -14,6 +15,7 @@ use super::visibility::Shown;
 use crate::bench::export::Format;
 use crate::project::Request;
 use egui::{Key, Modifiers};
+use glam::Vec3;
 use std::path::PathBuf;
 use topout_render::{DrawMode, Sun};
 use topout_scene::{ElementId, NamedView};
@@ -32,6 +34,8 @@ pub enum Panel {
     Palette,
     /// Views that are kept by name.
     Viewpoints,
+    /// What is cut away.
+    Section,
     /// Pictures, films and reports.
     Export,
     /// What is known of the selected element.
@@ -182,6 +186,25 @@ pub enum Command {
     ShowAll,
     /// How elements are drawn that no activity touches.
     DrawUnscheduled(Shown),
+
+    /// Cut something else away; changes until [`Command::SettleSection`] are one.
+    SetSection(Box<Section>),
+    /// What was cut away until now is one change.
+    SettleSection,
+    /// Cut, or no longer; with a box where there is nothing to cut with.
+    ToggleSection,
+    /// Show what is in a box around the selected elements, or around everything.
+    SectionBox(bool),
+    /// Cut away what lies beyond a point (local space) in a direction.
+    SectionAt(Vec3, Vec3),
+    /// Cut nothing away.
+    ClearSection,
+    /// Measure with every click, or no longer.
+    ToggleMeasure,
+    /// A point of a distance, local space.
+    MeasureAt(Vec3),
+    /// Forget all distances.
+    ClearMeasures,
 
     /// Move an activity to other dates, and what follows from it.
     MoveActivity(usize, TimeRange),
@@ -336,6 +359,13 @@ pub fn actions() -> Vec<Action> {
         action(C::ViewBack, "View before", Some(S::key(Key::Backspace))),
         action(C::ViewForward, "View after", Some(S::shift(Key::Backspace))),
         action(C::SaveViewpoint, "Save viewpoint", Some(S::key(Key::V))),
+        action(C::ToggleSection, "Section", Some(S::key(Key::Q))),
+        action(C::SectionBox(true), "Section box around selection", Some(S::shift(Key::Q))),
+        action(C::SectionBox(false), "Section box around all", None),
+        action(C::ClearSection, "Remove section", None),
+        action(C::Toggle(Panel::Section), "Section…", Some(S::alt(Key::Q))),
+        action(C::ToggleMeasure, "Measure", Some(S::key(Key::Y))),
+        action(C::ClearMeasures, "Remove distances", Some(S::shift(Key::Y))),
         action(C::Toggle(Panel::Viewpoints), "Viewpoints…", Some(S::shift(Key::V))),
         action(C::ToggleParallel, "Parallel projection", Some(S::key(Key::Num7))),
         action(C::Navigate(Navigation::Walk), "Walk", Some(S::key(Key::W))),

@@ -120,7 +120,7 @@ impl AppState {
                 _ => None,
             },
             looks: self.coloring.looks().cloned(),
-            view: self.camera.view(size, self.tolerance_px),
+            view: self.view(size),
             time: self.time(),
             range: self.clock.looped().unwrap_or(self.period()),
             mode: self.effective_mode(),

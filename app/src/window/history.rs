@@ -1,5 +1,6 @@
-//! What can be taken back: what is hidden, and the dates of activities.
+//! What can be taken back: what is hidden, what is cut away, and the dates of activities.
 
+use super::section::Section;
 use super::visibility::Visibility;
 use topout_schedule::TimeRange;
 
@@ -11,6 +12,8 @@ const KEPT: usize = 200;
 pub enum Change {
     /// What was hidden.
     Visibility(Visibility),
+    /// What was cut away.
+    Section(Section),
     /// The dates that activities had, by their places in the schedule.
     Dates(Vec<(usize, TimeRange)>),
 }
@@ -51,7 +54,7 @@ impl History {
 
     /// Other activities: their dates can no longer be set.
     pub fn forget_dates(&mut self) {
-        let stays = |change: &Change| matches!(change, Change::Visibility(_));
+        let stays = |change: &Change| !matches!(change, Change::Dates(_));
         self.done.retain(stays);
         self.undone.retain(stays);
     }

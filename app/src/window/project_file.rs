@@ -4,6 +4,7 @@
 //! Elements are named by their guids, or else their names, so that views survive a new export of the model.
 
 use super::camera::Camera;
+use super::section::Section;
 use super::shown::ElementColors;
 use super::state::AppState;
 use super::viewpoints::Viewpoint;
@@ -64,6 +65,8 @@ struct View {
     hidden: Vec<String>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     ghosts: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    section: Option<Section>,
 }
 
 fn own() -> ElementColors {
@@ -168,6 +171,7 @@ impl View {
             unscheduled: viewpoint.visibility.unscheduled,
             hidden: named(Shown::Hidden),
             ghosts: named(Shown::Ghost),
+            section: Some(viewpoint.section.clone()).filter(|section| !section.is_empty()),
         }
     }
 
@@ -181,6 +185,10 @@ impl View {
         if !self.camera.is_sound() {
             return Err("its camera has values that are no numbers".to_owned());
         }
+        let section = self.section.unwrap_or_default();
+        if !section.is_sound() {
+            return Err("its section has values that mean nothing".to_owned());
+        }
         let mut visibility = Visibility::of_unscheduled(self.unscheduled);
         for (keys, shown) in [(&self.hidden, Shown::Hidden), (&self.ghosts, Shown::Ghost)] {
             for key in keys {
@@ -191,7 +199,7 @@ impl View {
             }
         }
         let (name, camera, colors) = (self.name, self.camera, self.colors);
-        Ok(Viewpoint { name, camera, time, visibility, colors })
+        Ok(Viewpoint { name, camera, time, visibility, colors, section })
     }
 }
 
@@ -228,6 +236,7 @@ impl AppState {
             time: self.time(),
             visibility: self.visibility.clone(),
             colors: self.colors,
+            section: self.section.clone(),
         };
         let view = |viewpoint| View::of(viewpoint, &project.scene);
         let looped = self.clock.looped();

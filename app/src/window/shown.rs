@@ -17,6 +17,8 @@ pub struct Panels {
     /// See [`super::command::Panel`].
     pub viewpoints: bool,
     /// See [`super::command::Panel`].
+    pub section: bool,
+    /// See [`super::command::Panel`].
     pub inspector: bool,
     /// See [`super::command::Panel`].
     pub timeline: bool,
@@ -43,6 +45,7 @@ impl Default for Panels {
             palette: false,
             export: false,
             viewpoints: false,
+            section: false,
             inspector: true,
             timeline: true,
             figures: true,

@@ -3,6 +3,7 @@
 use super::calendar::short_date;
 use super::camera::Camera;
 use super::command::{Command, Panel, keys_of};
+use super::section::Section;
 use super::shown::ElementColors;
 use super::state::AppState;
 use super::theme::{SMALL, palette};
@@ -26,6 +27,8 @@ pub struct Viewpoint {
     pub visibility: Visibility,
     /// Which colours elements have.
     pub colors: ElementColors,
+    /// What is cut away.
+    pub section: Section,
 }
 
 /// Cameras that were left, and those that were gone back from.
@@ -80,7 +83,8 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
         .show(ctx, |ui| {
             let save = Command::SaveViewpoint;
             let button = ui.button("Save this view");
-            let tip = format!("Camera, date, colours and what is hidden ({})", keys_of(&save));
+            let tip =
+                format!("Camera, date, colours, what is hidden and cut away ({})", keys_of(&save));
             if button.on_hover_text(tip).clicked() {
                 commands.push(save);
             }

@@ -5,18 +5,23 @@
 
 use super::camera::Camera;
 use super::command::{Command, actions};
+use super::marks;
+use super::measure;
 use super::navigation::{Drag, Navigation};
+use super::section::Section;
+use super::section::handles::{self, Handle};
 use super::selection::Choose;
 use super::state::{AppState, Tree};
 use super::theme::palette;
 use super::visibility::Shown;
-use egui::{Color32, PointerButton, Pos2, Rect, Sense, Stroke, TextureId, Ui};
+use egui::{Color32, PointerButton, Pos2, Rect, Sense, TextureId, Ui};
 use egui_wgpu::RenderState;
 use glam::{UVec2, Vec2, Vec3};
 use std::sync::Arc;
 use std::time::Duration;
 use topout_render::{FrameInput, Gpu, GpuError, Options, Renderer};
-use topout_scene::{Aabb, Category, ElementId, Hdlod, Looks, Scene, hdlod};
+use topout_scene::pick::Hit;
+use topout_scene::{Category, ElementId, Hdlod, Looks, Scene, hdlod};
 
 /// For how long levels that follow each other share the pixels, where they do.
 const FADE: Duration = Duration::from_millis(200);
@@ -42,6 +47,10 @@ pub struct Viewport {
     fading: bool,
     drawn: Option<(FrameInput, Marked)>,
     gesture: Option<Gesture>,
+    /// The handle of the section that is being pulled: how the section was, and from which pixel on.
+    pull: Option<(Handle, Section, Vec2)>,
+    /// What the context menu was opened on.
+    clicked: Option<Hit>,
     /// When the wheel turned last, seconds.
     zoomed: f64,
     /// The shaders' files are looked at, and when that was done last.
@@ -80,6 +89,8 @@ impl Viewport {
             fading: false,
             drawn: None,
             gesture: None,
+            pull: None,
+            clicked: None,
             zoomed: f64::NEG_INFINITY,
             #[cfg(debug_assertions)]
             shaders: (topout_render::ShaderFolder::of_source(), std::time::Instant::now()),
@@ -132,7 +143,12 @@ impl Viewport {
             let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
             ui.painter().image(texture, place, whole, Color32::WHITE);
         }
-        self.paint_marks(ui, place, state);
+        let marks = marks::Marks { state, place, pixels_per_point };
+        marks.paint(
+            ui,
+            self.gesture.map(|g| (g.kind, g.from, g.point)),
+            self.pull.as_ref().map(|p| p.0),
+        );
         place
     }
 
@@ -146,6 +162,32 @@ impl Viewport {
         let mut commands = Vec::new();
         let (origin, now, modifiers) =
             ui.input(|i| (i.pointer.press_origin(), i.pointer.latest_pos(), i.modifiers));
+        let pixels_per_point = ui.ctx().pixels_per_point();
+        if response.drag_started_by(PointerButton::Primary)
+            && let Some(origin) = origin
+        {
+            let (at, reach) = (pixel(origin), handles::REACH * pixels_per_point);
+            let handle = handles::under(&state.section, &state.camera, at, state.picture, reach);
+            self.pull = handle.map(|handle| (handle, state.section.clone(), at));
+        }
+        if let Some((handle, before, from)) = &self.pull {
+            if let Some(now) = now
+                && let Some(next) = handles::dragged(
+                    before,
+                    *handle,
+                    &state.camera,
+                    [*from, pixel(now)],
+                    state.picture,
+                )
+            {
+                commands.push(Command::SetSection(Box::new(next)));
+            }
+            if response.drag_stopped() || !response.dragged() {
+                self.pull = None;
+                commands.push(Command::SettleSection);
+            }
+            return commands;
+        }
         if response.drag_started()
             && let Some(origin) = origin
         {
@@ -164,7 +206,7 @@ impl Viewport {
                 (Drag::Orbit, Some(project)) if !project.focus.is_empty() => project.focus.center(),
                 _ => state.camera.point_at_reach(from, state.picture),
             };
-            let point = state.pick(from).map_or(fallback, |(_, point)| point);
+            let point = state.pick(from).map_or(fallback, |hit| hit.point);
             self.gesture = Some(Gesture { kind, camera: state.camera, from, point });
         }
         if let (Some(gesture), true, Some(now)) = (self.gesture, response.dragged(), now) {
@@ -195,25 +237,35 @@ impl Viewport {
         if response.clicked()
             && let Some(at) = response.interact_pointer_pos()
         {
-            commands.extend(match (state.pick(pixel(at)), Choose::by(modifiers)) {
-                (Some((element, _)), how) => Some(Command::Choose(how, vec![element])),
+            let hit = state.pick(pixel(at));
+            commands.extend(match (hit, Choose::by(modifiers)) {
+                (Some(hit), _) if state.measure.on => {
+                    let reach = measure::SNAP * pixels_per_point;
+                    let point = meant(state, &hit, pixel(at), reach);
+                    Some(Command::MeasureAt(point))
+                }
+                (None, _) if state.measure.on => None,
+                (Some(hit), how) => Some(Command::Choose(how, vec![hit.element])),
                 (None, Choose::Only) => Some(Command::ClearSelection),
                 (None, _) => None,
             });
         }
         if response.secondary_clicked()
             && let Some(at) = response.interact_pointer_pos()
-            && let Some((element, _)) = state.pick(pixel(at))
-            && !state.selected.contains(element)
         {
-            commands.push(Command::Choose(Choose::Only, vec![element]));
+            self.clicked = state.pick(pixel(at));
+            if let Some(hit) = self.clicked
+                && !state.selected.contains(hit.element)
+            {
+                commands.push(Command::Choose(Choose::Only, vec![hit.element]));
+            }
         }
-        response.context_menu(|ui| context_menu(ui, state, &mut commands));
+        response.context_menu(|ui| context_menu(ui, state, self.clicked, &mut commands));
         let factor = ZOOM_PER_NOTCH.powf(wheel_notches(ui).y);
         if let (Some(hover), true) = (response.hover_pos(), factor != 1.0) {
             let at = pixel(hover);
             let point = match state.pick(at) {
-                Some((_, point)) => point,
+                Some(hit) => hit.point,
                 None => state.camera.point_at_reach(at, state.picture),
             };
             let camera = state.camera.zoom(point, factor, state.far_limit());
@@ -332,7 +384,7 @@ impl Viewport {
     /// Renders if the picture would differ from the last one.
     fn draw(&mut self, state: &mut AppState, color: [u8; 3]) {
         let input = FrameInput {
-            view: state.camera.view(state.picture, state.tolerance_px),
+            view: state.view(state.picture),
             time: state.time(),
             mode: state.effective_mode(),
         };
@@ -368,50 +420,29 @@ impl Viewport {
             Some(_) => {}
         }
     }
+}
 
-    /// The box of a selected element that is not there, and the pivot while turning.
-    fn paint_marks(&self, ui: &Ui, place: Rect, state: &AppState) {
-        let painter = ui.painter().with_clip_rect(place);
-        let pixels_per_point = ui.ctx().pixels_per_point();
-        let position = |p: Vec2| place.min + egui::vec2(p.x, p.y) / pixels_per_point;
-        if let (Some(project), Some(element)) = (&state.project, state.selected.only())
-            && !(project.scene.behaviour(element).at(state.time())
-                && state.shown(element) != Shown::Hidden)
-        {
-            let bounds = &project.scene.model.elements[element.index()].bounds;
-            let color = palette(ui).accent.gamma_multiply(0.45);
-            let margin = bounds.diameter() * 0.01;
-            for [a, b] in edges(&bounds.grown(margin)) {
-                if let Some([a, b]) = segment(&state.camera, a, b, state.picture) {
-                    painter.line_segment([position(a), position(b)], Stroke::new(1.5, color));
-                }
-            }
-        }
-        if let (Some(Gesture { kind: Drag::Frame, from, .. }), Some(to)) =
-            (self.gesture, ui.input(|i| i.pointer.latest_pos()))
-        {
-            let color = palette(ui).accent;
-            let frame = Rect::from_two_pos(position(from), to);
-            painter.rect_filled(frame, 0.0, color.gamma_multiply(0.12));
-            painter.rect_stroke(frame, 0.0, Stroke::new(1.0, color), egui::StrokeKind::Inside);
-        }
-        if let Some(Gesture { kind: Drag::Orbit, point, .. }) = self.gesture
-            && let Some(at) = state.camera.project(point, state.picture)
-        {
-            painter.circle_filled(position(at), 3.0, palette(ui).accent);
-            painter.circle_stroke(position(at), 5.0, Stroke::new(1.0, Color32::WHITE));
-        }
-    }
+/// The point that is meant by a click on something.
+fn meant(state: &AppState, hit: &Hit, pixel: Vec2, reach: f32) -> Vec3 {
+    measure::snapped(hit.corners, hit.point, &state.camera, pixel, state.picture, reach)
 }
 
 /// What can be done with the selection.
-fn context_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+fn context_menu(ui: &mut Ui, state: &AppState, clicked: Option<Hit>, commands: &mut Vec<Command>) {
+    if let Some(hit) = clicked {
+        let button = ui.button("Section plane here");
+        let tip = "Cut away what lies before this face";
+        if button.on_hover_text(tip).clicked() {
+            commands.push(Command::SectionAt(hit.point, hit.normal));
+        }
+    }
     let wanted = [
         Command::FitSelection,
         Command::DrawSelection(Shown::Hidden),
         Command::DrawSelection(Shown::Ghost),
         Command::Isolate(Shown::Hidden),
         Command::Isolate(Shown::Ghost),
+        Command::SectionBox(true),
         Command::ShowAll,
         Command::ClearSelection,
     ];
@@ -454,29 +485,4 @@ pub(super) fn wheel_notches(ui: &Ui) -> egui::Vec2 {
             _ => notches,
         })
     })
-}
-
-/// The twelve edges of a box.
-fn edges(bounds: &Aabb) -> impl Iterator<Item = [Vec3; 2]> {
-    let corners = bounds.corners();
-    (0..8usize).flat_map(move |a| {
-        [1usize, 2, 4]
-            .into_iter()
-            .filter(move |bit| a & bit == 0)
-            .map(move |bit| [corners[a], corners[a | bit]])
-    })
-}
-
-/// A line on the picture, cut off at the eye's plane; `None` where nothing of it is in front.
-fn segment(camera: &Camera, a: Vec3, b: Vec3, size: UVec2) -> Option<[Vec2; 2]> {
-    const NEAR: f32 = 0.01;
-    let (depth_a, depth_b) = (camera.depth(a), camera.depth(b));
-    let cut = |from: Vec3, to: Vec3, d_from: f32, d_to: f32| {
-        if d_from >= NEAR { from } else { from.lerp(to, (NEAR - d_from) / (d_to - d_from)) }
-    };
-    if depth_a.max(depth_b) < NEAR {
-        return None;
-    }
-    let (from, to) = (cut(a, b, depth_a, depth_b), cut(b, a, depth_b, depth_a));
-    Some([camera.project(from, size)?, camera.project(to, size)?])
 }

@@ -10,6 +10,7 @@ pub(super) const SHADER: Shader = shader!(
     "common/light.wgsl",
     "common/instance.wgsl",
     "common/fade.wgsl",
+    "common/section.wgsl",
     "glass.wgsl",
 );
 
@@ -22,6 +23,8 @@ pub(crate) struct Glass {
     pub placed: wgpu::RenderPipeline,
     /// Of geometry that is where it belongs.
     pub fixed: wgpu::RenderPipeline,
+    /// Of placed geometry, as far as section planes show it.
+    pub cut: wgpu::RenderPipeline,
     /// Of placed geometry that fades.
     pub fading: Option<wgpu::RenderPipeline>,
     layout: wgpu::BindGroupLayout,
@@ -56,6 +59,7 @@ impl Glass {
         Self {
             placed: build("glass_vertex", "glass_fragment", Vertices::Placed),
             fixed: build("glass_fixed_vertex", "glass_fragment", Vertices::Fixed),
+            cut: build("glass_cut_vertex", "glass_cut_fragment", Vertices::Placed),
             fading: fades
                 .then(|| build("glass_fading_vertex", "glass_fading_fragment", Vertices::Fading)),
             layout,

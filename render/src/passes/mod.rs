@@ -1,5 +1,6 @@
 //! One pass, one struct, one file, one shader.
 
+mod caps;
 mod edges;
 mod glass;
 mod ground;
@@ -8,6 +9,7 @@ mod sky;
 mod smooth;
 mod solid;
 
+pub(crate) use caps::{Caps, SUM_FORMAT};
 pub(crate) use edges::Edges;
 pub(crate) use glass::Glass;
 pub(crate) use ground::Ground;
@@ -27,9 +29,10 @@ pub(crate) const SCENE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8U
 pub(crate) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
 /// The shaders of all passes.
-pub(crate) const SHADERS: [Shader; 10] = [
+pub(crate) const SHADERS: [Shader; 11] = [
     solid::SHADER,
     glass::SHADER,
+    caps::SHADER,
     sky::SHADER,
     ground::SHADER,
     smooth::SHADER,

@@ -4,10 +4,20 @@ use super::{ScreenPipeline, buffer_entry, module, texture_entry, vertex_buffers}
 use crate::gpu::Gpu;
 use crate::shader::{Shader, shader};
 
-pub(super) const MASK_ONE: Shader =
-    shader!("mask, one sample", "common/frame.wgsl", "common/depth_one.wgsl", "mask.wgsl");
-pub(super) const MASK_MANY: Shader =
-    shader!("mask, many samples", "common/frame.wgsl", "common/depth_many.wgsl", "mask.wgsl");
+pub(super) const MASK_ONE: Shader = shader!(
+    "mask, one sample",
+    "common/frame.wgsl",
+    "common/section.wgsl",
+    "common/depth_one.wgsl",
+    "mask.wgsl"
+);
+pub(super) const MASK_MANY: Shader = shader!(
+    "mask, many samples",
+    "common/frame.wgsl",
+    "common/section.wgsl",
+    "common/depth_many.wgsl",
+    "mask.wgsl"
+);
 pub(super) const SHADER: Shader =
     shader!("outline", "common/frame.wgsl", "common/screen.wgsl", "outline.wgsl");
 

@@ -10,6 +10,7 @@ pub(super) const SHADER: Shader = shader!(
     "common/light.wgsl",
     "common/instance.wgsl",
     "common/fade.wgsl",
+    "common/section.wgsl",
     "solid.wgsl",
 );
 
@@ -23,6 +24,8 @@ pub(crate) struct Solid {
     /// The two with depth alone.
     pub occluder_placed: wgpu::RenderPipeline,
     pub occluder_fixed: wgpu::RenderPipeline,
+    /// Of placed geometry, as far as section planes show it.
+    pub cut: wgpu::RenderPipeline,
     /// Of placed geometry that fades.
     pub fading: Option<wgpu::RenderPipeline>,
 }
@@ -47,6 +50,7 @@ impl Solid {
         Self {
             placed: build("solid_vertex", fragment, Vertices::Placed),
             fixed: build("solid_fixed_vertex", fragment, Vertices::Fixed),
+            cut: build("solid_cut_vertex", Some("solid_cut_fragment"), Vertices::Placed),
             occluder_placed: build("occluder_vertex", None, Vertices::Placed),
             occluder_fixed: build("occluder_fixed_vertex", None, Vertices::Fixed),
             fading: fades.then(|| {

@@ -45,6 +45,12 @@ impl Renderer {
                 self.draw_left(&mut pass, Layer::Opaque);
             }
             self.draw_fading(&mut pass, pool, self.passes.solid.fading.as_ref(), Layer::Opaque);
+            let cut = &self.section.layers.opaque;
+            if !cut.is_empty() {
+                pass.set_pipeline(&self.passes.solid.cut);
+                pool.draw(&mut pass, &pool.scene, cut);
+                self.section.fill(&mut pass);
+            }
         }
         if plain.is_some() {
             return;
@@ -58,7 +64,9 @@ impl Renderer {
     /// Whether anything transparent may be in the frame.
     pub(super) fn has_glass(&self, culled: bool) -> bool {
         let list = &self.list;
-        let listed = !list.elements.transparent.is_empty() || !list.clusters.transparent.is_empty();
+        let listed = !list.elements.transparent.is_empty()
+            || !list.clusters.transparent.is_empty()
+            || !self.section.layers.transparent.is_empty();
         let fading = |commands: &Commands| {
             let Commands { elements, clusters } = commands;
             !elements.transparent.is_empty() || !clusters.transparent.is_empty()
@@ -99,6 +107,8 @@ impl Renderer {
             self.draw_left(&mut pass, Layer::Transparent);
         }
         self.draw_fading(&mut pass, pool, self.passes.glass.fading.as_ref(), Layer::Transparent);
+        pass.set_pipeline(&self.passes.glass.cut);
+        pool.draw(&mut pass, &pool.scene, &self.section.layers.transparent);
     }
 
     /// What fades of a layer.
@@ -271,21 +281,12 @@ impl Renderer {
         if commands.is_empty() {
             return;
         }
-        pass.set_vertex_buffer(0, geometry.vertices.slice(..));
-        pass.set_vertex_buffer(1, pool.instances.slice(..));
-        pass.set_vertex_buffer(2, pool.looks.slice(..));
-        pass.set_index_buffer(geometry.indices.slice(..), geometry.format);
         match offset {
             Some(offset) => {
+                pool.set_buffers(pass, geometry);
                 pass.multi_draw_indexed_indirect(&self.commands, offset, commands.len() as u32);
             }
-            None => {
-                for c in commands {
-                    let indices = c.first_index..c.first_index + c.index_count;
-                    let instance = c.first_instance..c.first_instance + 1;
-                    pass.draw_indexed(indices, c.base_vertex, instance);
-                }
-            }
+            None => pool.draw(pass, geometry, commands),
         }
     }
 

@@ -43,6 +43,7 @@ impl Renderer {
         std::mem::swap(&mut self.passes, passes);
         std::mem::swap(&mut self.culler, culler);
         self.selection.forget_targets();
+        self.section.forget_targets();
         self.bind_pictures();
     }
 }

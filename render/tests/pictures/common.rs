@@ -4,8 +4,8 @@ use glam::{Affine3A, UVec2, Vec3};
 use std::sync::Arc;
 use topout_render::{DrawMode, FrameInput, Gpu, Picture, Renderer};
 use topout_scene::{
-    Aabb, BehaviourId, Element, Instance, Material, Mesh, MeshId, Model, Projection, Scene, Vertex,
-    View, encode_normal,
+    Aabb, BehaviourId, Clip, Element, Instance, Material, Mesh, MeshId, Model, Projection, Scene,
+    Vertex, View, encode_normal,
 };
 use topout_schedule::{Behaviour, Time};
 
@@ -102,6 +102,7 @@ pub fn look(eye: Vec3, target: Vec3, size: (u32, u32)) -> View {
         projection: Projection::Perspective { fov_y: View::FOV_Y },
         size: UVec2::new(size.0, size.1),
         tolerance_px: 1.0,
+        clip: Clip::NONE,
     }
 }
 

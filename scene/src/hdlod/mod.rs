@@ -317,6 +317,8 @@ pub struct Drawn {
 pub struct Selection {
     /// Elements to draw exactly.
     pub elements: Vec<ElementId>,
+    /// Elements to draw exactly as far as [`View::clip`] shows them, which may not be all of them.
+    pub cut: Vec<ElementId>,
     /// Parts of clusters to draw.
     pub spans: Vec<Span>,
     /// The clusters of the cut.

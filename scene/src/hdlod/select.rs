@@ -1,7 +1,7 @@
 //! Display (Fig. 4; H8, H9 with R1, R5 to R8): the cut of the tree for a view at a date.
 
 use super::{Cluster, Drawn, Hdlod, Marks, Node, Selection, Span, Temporal};
-use crate::{Containment, ElementId, Frustum, Layer, Lens, LookId, Scene, View};
+use crate::{Aabb, Clip, Containment, ElementId, Frustum, Layer, Lens, LookId, Scene, View};
 use topout_schedule::{Share, Time};
 
 /// Whether mode paper draws a cluster that is good enough, or leaves it out (R1): the smaller of
@@ -27,6 +27,9 @@ pub fn delta_m(cluster: &Cluster, share: Share) -> f32 {
 /// Tight: a cluster is good enough when its eps is at most the tolerance on the picture; what it
 /// draws then is exact in time (R11). Paper: delta decides, and the cluster is drawn whole or
 /// left out (R1, R13). A leaf that is present is drawn (R6).
+///
+/// Of a section ([`View::clip`]) only what lies inside wholly is drawn by clusters: they stand for what
+/// is inside of their boxes, not for what a plane leaves of it. So the error is that of a whole scene.
 pub fn select(scene: &Scene, hdlod: &Hdlod, view: &View, time: Time) -> Selection {
     cut(scene, hdlod, view, time, None)
 }
@@ -50,15 +53,16 @@ fn cut(scene: &Scene, hdlod: &Hdlod, view: &View, time: Time, marks: Option<&Mar
         tolerance_px: view.tolerance_px,
         lens: view.lens(),
         frustum: view.frustum(),
+        clip: view.clip,
         time,
         marks,
         out: Selection::default(),
     };
     if let Some(root) = hdlod.root {
-        walk.node(root, false);
+        walk.node(root, Known::default());
     }
     for &element in &hdlod.loose {
-        walk.node(Node::Leaf(element), false);
+        walk.node(Node::Leaf(element), Known::default());
     }
     walk.out
 }
@@ -101,45 +105,64 @@ struct Walk<'a> {
     tolerance_px: f32,
     lens: Lens,
     frustum: Frustum,
+    clip: Clip,
     time: Time,
     marks: Option<&'a Marks>,
     out: Selection,
 }
 
+/// What is known of a node from above.
+#[derive(Clone, Copy, Default)]
+struct Known {
+    /// It is in the frame, all of it.
+    inside: bool,
+    /// No section plane cuts it.
+    whole: bool,
+}
+
 impl Walk<'_> {
     /// The depth of the recursion is the number of levels: at most some dozens.
-    fn node(&mut self, node: Node, inside: bool) {
+    fn node(&mut self, node: Node, known: Known) {
         self.out.visited += 1;
         match node {
-            Node::Leaf(element) => self.leaf(element, inside),
-            Node::Cluster(i) => self.cluster(i, inside),
+            Node::Leaf(element) => self.leaf(element, known),
+            Node::Cluster(i) => self.cluster(i, known),
         }
     }
 
-    fn leaf(&mut self, id: ElementId, inside: bool) {
+    fn leaf(&mut self, id: ElementId, known: Known) {
         let element = &self.scene.model.elements[id.index()];
         if !self.scene.behaviour(id).at(self.time) {
             return;
         }
-        if !inside && self.frustum.test(&element.bounds) == Containment::Outside {
+        if !known.inside && self.frustum.test(&element.bounds) == Containment::Outside {
             return;
         }
-        self.out.elements.push(id);
+        match self.shown_of(&element.bounds, known) {
+            Containment::Outside => return,
+            Containment::Partly => self.out.cut.push(id),
+            Containment::Inside => self.out.elements.push(id),
+        }
         self.out.triangles += self.scene.model.triangles_of(element) as u64;
     }
 
-    fn cluster(&mut self, index: u32, mut inside: bool) {
+    fn cluster(&mut self, index: u32, mut known: Known) {
         let cluster = &self.hdlod.clusters[index as usize];
         // H9 and R13: absent for sure. In a gap between two presences the nodes below find that out.
         if !cluster.presence.may_be_present(self.time) {
             return;
         }
-        if !inside {
+        if !known.inside {
             match self.frustum.test(&cluster.bounds) {
                 Containment::Outside => return,
                 Containment::Partly => {}
-                Containment::Inside => inside = true,
+                Containment::Inside => known.inside = true,
             }
+        }
+        match self.shown_of(&cluster.bounds, known) {
+            Containment::Outside => return,
+            Containment::Partly => {}
+            Containment::Inside => known.whole = true,
         }
         let Some(delta) = self.hdlod.delta_at(cluster, self.time) else { return };
         let error_px = self.lens.error_px(delta, &cluster.bounds);
@@ -151,14 +174,37 @@ impl Walk<'_> {
                 (size <= self.tolerance_px).then_some(LookId::OWN)
             }),
         };
-        let Some(look) = look.filter(|_| !cluster.stale && error_px <= self.tolerance_px) else {
+        let Some(look) =
+            look.filter(|_| known.whole && !cluster.stale && error_px <= self.tolerance_px)
+        else {
             for i in cluster.children.clone() {
-                self.node(self.hdlod.children[i as usize], inside);
+                self.node(self.hdlod.children[i as usize], known);
             }
             return;
         };
         self.out.worst_px = self.out.worst_px.max(error_px);
         self.draw(index, cluster, look);
+    }
+
+    /// How much of what is in a box the section shows. Of what is so small that nobody can tell its parts
+    /// apart, even where it is simplified too, all or nothing.
+    fn shown_of(&mut self, bounds: &Aabb, known: Known) -> Containment {
+        if known.whole {
+            return Containment::Inside;
+        }
+        let shown = self.clip.test(bounds);
+        if shown != Containment::Partly {
+            return shown;
+        }
+        let size = self.lens.error_px(bounds.diameter() * 2.0, bounds);
+        if size > self.tolerance_px {
+            return shown;
+        }
+        self.out.worst_px = self.out.worst_px.max(size);
+        match self.clip.contains(bounds.center()) {
+            true => Containment::Inside,
+            false => Containment::Outside,
+        }
     }
 
     fn draw(&mut self, index: u32, cluster: &Cluster, look: LookId) {
@@ -234,6 +280,43 @@ mod tests {
                 }
             }
             prop_assert_eq!(next, cut.spans.len());
+        }
+
+        /// Of a section clusters draw what is inside wholly; what is cut, or outside, they never draw.
+        #[test]
+        fn clusters_keep_off_section_planes(
+            scene in scene(), time in 0i64..100, away in 1f32..30.0,
+            at in -5f32..15.0, normal in (-1f32..1.0, -1f32..1.0, -1f32..1.0),
+        ) {
+            let tree = built(&scene, Temporal::Tight);
+            let parents = Parents::of(&tree);
+            let time = Time::from_seconds(time);
+            let whole = View::fit(&scene.model.bounds(), 30.0, 20.0, away, UVec2::new(640, 360));
+            let mut clip = Clip::NONE;
+            prop_assume!(clip.cut(glam::Vec3::splat(at), normal.into()));
+            let view = View { clip, ..whole };
+            let cut = select(&scene, &tree, &view, time);
+            prop_assert_eq!(
+                select(&scene, &tree, &View { clip: Clip::NONE, ..view }, time),
+                select(&scene, &tree, &whole, time)
+            );
+            let drawn_by = |cluster: u32| cut.drawn.iter().any(|d| d.cluster == cluster);
+            for id in (0..scene.model.elements.len() as u32).map(ElementId) {
+                let bounds = &scene.model.elements[id.index()].bounds;
+                let above = parents.above(Node::Leaf(id)).any(drawn_by);
+                let (exact, part) = (cut.elements.contains(&id), cut.cut.contains(&id));
+                if !scene.behaviour(id).at(time) {
+                    prop_assert!(!exact && !part);
+                    continue;
+                }
+                prop_assert!(u8::from(above) + u8::from(exact) + u8::from(part) <= 1);
+                let small = view.error_px(bounds.diameter(), bounds) <= view.tolerance_px;
+                match clip.test(bounds) {
+                    Containment::Inside => prop_assert!(above || exact),
+                    Containment::Partly => prop_assert!(part || small),
+                    Containment::Outside => prop_assert!(!part && (small || !(above || exact))),
+                }
+            }
         }
 
         /// What is drawn has the look of every element that it stands for, and without looks the cut is

@@ -3,7 +3,7 @@
 use super::{Caching, Cli, Common, Coverage, named_view, place, point};
 use crate::output::{Background, Format};
 use clap::{Args, CommandFactory, ValueEnum};
-use glam::DVec3;
+use glam::{DVec3, Vec3};
 use std::path::PathBuf;
 use topout_render::Sun;
 use topout_scene::NamedView;
@@ -42,9 +42,38 @@ pub struct Looking {
     #[arg(long, value_name = "NAME")]
     pub select: Option<String>,
 
+    /// Show only what lies on one side of a plane, such as y<12.5 or x>-3, in the file's coordinates (metres, up
+    /// is +Y); may be given several times.
+    #[arg(long, value_name = "AXIS<METRES", value_parser = half_space, allow_hyphen_values = true)]
+    pub section: Vec<HalfSpace>,
+
     /// What stands behind the scene.
     #[arg(long, value_name = "WHAT", default_value = "scenery")]
     pub background: BackgroundChoice,
+}
+
+/// One side of a plane across an axis.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub struct HalfSpace {
+    /// A point of the plane, in the file's coordinates.
+    pub point: DVec3,
+    /// From the plane into what is not shown.
+    pub outward: Vec3,
+}
+
+fn half_space(text: &str) -> Result<HalfSpace, String> {
+    let parts = text.split_once(['<', '>']).and_then(|(name, metres)| {
+        let axis = match name.trim() {
+            "x" | "X" => Vec3::X,
+            "y" | "Y" => Vec3::Y,
+            "z" | "Z" => Vec3::Z,
+            _ => return None,
+        };
+        let metres: f64 = metres.trim().parse().ok().filter(|m: &f64| m.is_finite())?;
+        let outward = if text.contains('<') { axis } else { -axis };
+        Some(HalfSpace { point: axis.as_dvec3() * metres, outward })
+    });
+    parts.ok_or_else(|| "expected an axis, < or > and metres, such as y<12.5".to_owned())
 }
 
 /// What stands behind the scene.

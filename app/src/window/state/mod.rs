@@ -15,9 +15,11 @@ use super::frames::FrameLog;
 use super::gantt::Gantt;
 use super::history::History;
 use super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, Stamp, Wake, place_project};
+use super::measure::Measure;
 use super::navigation::{Mouse, Navigation};
 use super::project_file::Saved;
 use super::reload::{Refining, TreeChange};
+use super::section::Section;
 use super::selection::Selected;
 use super::settings::{Recent, remember};
 use super::shown::{ElementColors, Panels};
@@ -154,6 +156,12 @@ pub struct AppState {
     pub colors: ElementColors,
     /// What is hidden, or a ghost.
     pub visibility: Visibility,
+    /// What is cut away.
+    pub section: Section,
+    /// It is being changed: one step for undo.
+    pulling_section: bool,
+    /// Distances.
+    pub measure: Measure,
     /// What can be taken back.
     pub history: History,
     /// The looks that follow from these.
@@ -217,6 +225,9 @@ impl AppState {
             level_colors: false,
             colors: ElementColors::Activity,
             visibility: Visibility::default(),
+            section: Section::default(),
+            pulling_section: false,
+            measure: Measure::default(),
             history: History::default(),
             coloring: Coloring::default(),
             sun: Sun::Fixed,
@@ -383,6 +394,7 @@ impl AppState {
             }
             Command::MoveCamera(camera) => self.move_camera(camera),
             Command::Choose(how, elements) => self.choose(how, elements),
+            Command::ClearSelection if self.measure.on => self.measure.step_back(),
             Command::ClearSelection if self.navigation != Navigation::Orbit => {
                 self.navigation = Navigation::Orbit;
             }
@@ -405,6 +417,32 @@ impl AppState {
                 let mut next = self.visibility.clone();
                 next.unscheduled = unscheduled;
                 self.set_visibility(next);
+            }
+            Command::SetSection(next) => self.set_section(*next),
+            Command::SettleSection => self.settle_section(),
+            Command::ToggleSection => {
+                self.toggle_section();
+                self.settle_section();
+            }
+            Command::SectionBox(around_selection) => {
+                self.section_box(around_selection);
+                self.settle_section();
+            }
+            Command::SectionAt(point, outward) => {
+                self.set_section(self.section.with_plane(point, outward));
+                self.settle_section();
+            }
+            Command::ClearSection => {
+                self.set_section(Section::default());
+                self.settle_section();
+            }
+            Command::ToggleMeasure => {
+                self.measure.on = !self.measure.on;
+                self.measure.start = None;
+            }
+            Command::MeasureAt(point) => self.measure.take(point),
+            Command::ClearMeasures => {
+                self.measure = Measure { on: self.measure.on, ..Measure::default() };
             }
             Command::MoveActivity(activity, dates) => self.move_activity(activity, dates),
             Command::Undo => self.step_history(true),
@@ -562,6 +600,8 @@ impl AppState {
         self.history.forget_dates();
         if !same_models {
             self.visibility = Visibility::default();
+            self.section = Section::default();
+            self.measure = Measure::default();
             self.history = History::default();
             self.trail = Trail::default();
             self.project_file = None;
@@ -630,6 +670,7 @@ impl AppState {
             Panel::Palette => &mut self.panels.palette,
             Panel::Export => &mut self.panels.export,
             Panel::Viewpoints => &mut self.panels.viewpoints,
+            Panel::Section => &mut self.panels.section,
             Panel::Inspector => &mut self.panels.inspector,
             Panel::Timeline => &mut self.panels.timeline,
             Panel::Figures => &mut self.panels.figures,

@@ -70,8 +70,10 @@ impl AppState {
 
     pub(super) fn step_history(&mut self, back: bool) {
         let (project, visibility) = (self.project.clone(), &self.visibility);
+        let section = &self.section;
         let now = |change: &Change| match change {
             Change::Visibility(_) => Change::Visibility(visibility.clone()),
+            Change::Section(_) => Change::Section(section.clone()),
             Change::Dates(moves) => {
                 let dates = project.as_ref().map(|project| dates_of(project, moves));
                 Change::Dates(dates.unwrap_or_default())
@@ -80,6 +82,7 @@ impl AppState {
         match self.history.step(back, now) {
             None => {}
             Some(Change::Visibility(visibility)) => self.visibility = visibility,
+            Some(Change::Section(section)) => self.section = section,
             Some(Change::Dates(moves)) => self.move_activities(moves),
         }
     }

@@ -1,12 +1,15 @@
 //! Where one looks from, and what is under the pointer.
 
 use super::super::camera::Camera;
+use super::super::history::Change;
 use super::super::navigation::{EYES_M, Navigation};
+use super::super::section::{Section, SectionBox};
 use super::super::viewpoints::Viewpoint;
 use super::super::visibility::Shown;
 use super::AppState;
 use glam::{UVec2, Vec3};
-use topout_scene::{Aabb, ElementId, NamedView};
+use topout_scene::pick::Hit;
+use topout_scene::{Aabb, Containment, ElementId, NamedView, View};
 
 impl AppState {
     /// The 3D view has this size; a camera that nobody moved since a fit fits again.
@@ -32,13 +35,12 @@ impl AppState {
     }
 
     /// The point of a present element under a pixel.
-    pub fn pick(&self, pixel: glam::Vec2) -> Option<(ElementId, Vec3)> {
+    pub fn pick(&self, pixel: glam::Vec2) -> Option<Hit> {
         let project = self.project.as_ref()?;
         let (eye, direction) = self.camera.ray(pixel, self.picture);
         let (scene, time) = (&project.scene, self.time());
         let whole = |id| self.visibility.of(scene, id) == Shown::Whole;
-        let hit = project.picker.pick_among(scene, eye, direction, time, whole)?;
-        Some((hit.element, hit.point))
+        project.picker.pick_among(scene, eye, direction, time, &self.section.clip(), whole)
     }
 
     /// The present elements within a rectangle of the picture, given by two corners in the order in which
@@ -47,9 +49,11 @@ impl AppState {
         let Some(project) = &self.project else { return Vec::new() };
         let (min, max) = (from.min(to), from.max(to));
         let wholly = from.x <= to.x;
+        let clip = self.section.clip();
         let found = |id: ElementId| {
             let bounds = &project.scene.model.elements[id.index()].bounds;
             if bounds.is_empty()
+                || clip.test(bounds) == Containment::Outside
                 || !project.scene.behaviour(id).at(self.time())
                 || self.shown(id) != Shown::Whole
             {
@@ -91,6 +95,7 @@ impl AppState {
             time: self.time(),
             visibility: self.visibility.clone(),
             colors: self.colors,
+            section: self.section.clone(),
         });
     }
 
@@ -108,6 +113,58 @@ impl AppState {
         self.follow_clock();
         self.colors = viewpoint.colors;
         self.set_visibility(viewpoint.visibility);
+        self.set_section(viewpoint.section);
+        self.settle_section();
+    }
+
+    /// What the renderer is asked for.
+    pub fn view(&self, size: UVec2) -> View {
+        View { clip: self.section.clip(), ..self.camera.view(size, self.tolerance_px) }
+    }
+
+    /// Cuts away something else; what follows until it is settled is taken back with it.
+    pub(super) fn set_section(&mut self, next: Section) {
+        if next == self.section || !next.is_sound() {
+            return;
+        }
+        let before = std::mem::replace(&mut self.section, next);
+        if !std::mem::replace(&mut self.pulling_section, true) {
+            self.history.push(Change::Section(before));
+        }
+    }
+
+    /// What was cut away until now is one change.
+    pub(super) fn settle_section(&mut self) {
+        self.pulling_section = false;
+    }
+
+    /// Cuts with what there is, or no longer; where there is nothing yet, with a box.
+    pub(super) fn toggle_section(&mut self) {
+        if self.section.is_empty() {
+            return self.section_box(!self.selected.elements().is_empty());
+        }
+        self.set_section(Section { on: !self.section.on, ..self.section.clone() });
+    }
+
+    /// Shows what is around the selected elements, or puts a box around everything.
+    pub(super) fn section_box(&mut self, around_selection: bool) {
+        let Some(project) = &self.project else { return };
+        let bounds = match around_selection {
+            true => self.selected_bounds(),
+            false => project.focus,
+        };
+        if !bounds.is_empty() {
+            let boxed = Some(SectionBox::around(&bounds));
+            self.set_section(Section { on: true, boxed, ..self.section.clone() });
+        }
+    }
+
+    /// The box of the selected elements; empty where none is.
+    fn selected_bounds(&self) -> Aabb {
+        let Some(project) = &self.project else { return Aabb::EMPTY };
+        let boxes = self.selected.elements().iter();
+        let boxes = boxes.map(|id| project.scene.model.elements[id.index()].bounds);
+        boxes.fold(Aabb::EMPTY, |all, bounds| all.union(&bounds))
     }
 
     /// Walks or flies on for `seconds`, with these keys down; whether one moved.
@@ -127,7 +184,8 @@ impl AppState {
         let scene = &project.scene;
         let whole = |id| self.visibility.of(scene, id) == Shown::Whole;
         let (eye, time) = (self.camera.eye, self.time());
-        let hit = project.picker.pick_among(scene, eye, Vec3::NEG_Y, time, whole);
+        let hit =
+            project.picker.pick_among(scene, eye, Vec3::NEG_Y, time, &self.section.clip(), whole);
         if let Some(hit) = hit {
             let standing = Camera { eye: hit.point + Vec3::Y * EYES_M, ..self.camera };
             self.move_camera(standing);
@@ -142,10 +200,7 @@ impl AppState {
     }
 
     pub(super) fn fit_selection(&mut self) {
-        let Some(project) = &self.project else { return };
-        let elements = self.selected.elements().iter();
-        let boxes = elements.map(|id| project.scene.model.elements[id.index()].bounds);
-        let bounds = boxes.fold(Aabb::EMPTY, |all, bounds| all.union(&bounds));
+        let bounds = self.selected_bounds();
         if !bounds.is_empty() {
             // Some of its surroundings help to see where it is.
             let around = bounds.grown(bounds.diameter().max(0.5) * 0.5);

@@ -2,7 +2,7 @@
 
 use super::*;
 use glam::DVec2;
-use topout_scene::View;
+use topout_scene::{Clip, View};
 
 const SIZE: i32 = 24;
 
@@ -26,6 +26,7 @@ fn along_z() -> View {
         projection: Projection::Perspective { fov_y: View::FOV_Y },
         size: UVec2::splat(SIZE as u32),
         tolerance_px: 1.0,
+        clip: Clip::NONE,
     }
 }
 
