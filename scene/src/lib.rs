@@ -9,6 +9,7 @@ pub mod check;
 mod clip;
 pub mod demo;
 mod edit;
+mod explode;
 pub mod export;
 mod geometry;
 pub mod hdlod;

@@ -7,7 +7,7 @@ use egui::{Key, Modifiers, MouseWheelUnit, Pos2, TouchPhase};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use topout::window::{
-    Choose, Command, ElementColors, Filter, Panel, Run, Shown, Speed, Step, Window,
+    Choose, Command, ElementColors, Filter, Half, Panel, Run, Shown, Speed, Step, Window,
 };
 use topout_scene::ElementId;
 use topout_schedule::Time;
@@ -314,12 +314,12 @@ fn what_is_hidden_is_not_drawn_not_clicked_and_comes_back() {
     apply(&mut harness, Command::Toggle(Panel::Figures));
     let before = picture(&mut harness);
     let size = state(&harness).picture.as_vec2();
-    let (front, _) = state(&harness).pick(size * 0.5).unwrap();
+    let front = state(&harness).pick(Half::Shown, size * 0.5).unwrap().element;
     apply(&mut harness, Command::Choose(Choose::Only, vec![front]));
     harness.key_press(Key::X);
     harness.run();
     assert_eq!(state(&harness).shown(front), Shown::Hidden);
-    let behind = state(&harness).pick(size * 0.5).map(|(id, _)| id);
+    let behind = state(&harness).pick(Half::Shown, size * 0.5).map(|hit| hit.element);
     assert_ne!(behind, Some(front));
     apply(&mut harness, Command::ClearSelection);
     let hidden = picture(&mut harness);
@@ -506,7 +506,7 @@ fn parallel_projection_draws_and_picks_the_same_pixel() {
     assert!(picture(&mut harness) != perspective);
     let size = state(&harness).picture;
     let at = size.as_vec2() * 0.5;
-    let (_, point) = state(&harness).pick(at).expect("the tower is in the middle");
+    let point = state(&harness).pick(Half::Shown, at).expect("the tower is in the middle").point;
     assert!(state(&harness).camera.project(point, size).unwrap().distance(at) < 0.5);
     let before = state(&harness).camera;
     let cube = harness.get_by_label("View cube").rect();

@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
 use topout::project::Request;
-use topout::window::{Command, ElementColors, Panel, Speed, Step, Window};
+use topout::window::{Command, ElementColors, Half, Panel, Speed, Step, Window};
 use topout_render::{DrawMode, Sun};
 use topout_scene::cache::Cache;
 use topout_scene::demo::{DemoSettings, generate};
@@ -360,7 +360,7 @@ fn the_mouse_turns_moves_and_zooms_about_what_is_under_it() {
         glam::Vec2::new(p.x, p.y)
     };
     let at = pixel(middle, &harness);
-    let (_, point) = state(&harness).pick(at).unwrap();
+    let point = state(&harness).pick(Half::Shown, at).unwrap().point;
 
     let before = state(&harness).camera;
     drag(&mut harness, &[middle, middle + egui::vec2(60.0, 25.0)]);

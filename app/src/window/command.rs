@@ -3,6 +3,7 @@
 use super::browser::Browse;
 use super::camera::Camera;
 use super::clock::{Speed, Step};
+use super::compare::Against;
 use super::export::Export;
 use super::gantt::Filter;
 use super::navigation::{Mouse, Navigation};
@@ -19,7 +20,7 @@ use glam::Vec3;
 use std::path::PathBuf;
 use topout_render::{DrawMode, Sun};
 use topout_scene::{ElementId, NamedView};
-use topout_schedule::{Time, TimeRange};
+use topout_schedule::{DateSet, Time, TimeRange};
 
 /// A panel that folds.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -186,6 +187,18 @@ pub enum Command {
     ShowAll,
     /// How elements are drawn that no activity touches.
     DrawUnscheduled(Shown),
+
+    /// Hold the shown plan against another one.
+    Compare(Against),
+    /// Ask for a schedule to hold it against.
+    CompareFile,
+    /// Show the project alone.
+    StopComparing,
+
+    /// Draw storeys so many metres farther apart; together by 0.
+    Explode(f32),
+    /// Draw storeys apart, or together.
+    ToggleExplosion,
 
     /// Cut something else away; changes until [`Command::SettleSection`] are one.
     SetSection(Box<Section>),
@@ -366,6 +379,7 @@ pub fn actions() -> Vec<Action> {
         action(C::Toggle(Panel::Section), "Section…", Some(S::alt(Key::Q))),
         action(C::ToggleMeasure, "Measure", Some(S::key(Key::Y))),
         action(C::ClearMeasures, "Remove distances", Some(S::shift(Key::Y))),
+        action(C::ToggleExplosion, "Storeys apart", Some(S::shift(Key::E))),
         action(C::Toggle(Panel::Viewpoints), "Viewpoints…", Some(S::shift(Key::V))),
         action(C::ToggleParallel, "Parallel projection", Some(S::key(Key::Num7))),
         action(C::Navigate(Navigation::Walk), "Walk", Some(S::key(Key::W))),
@@ -424,6 +438,15 @@ pub fn actions() -> Vec<Action> {
     ]
     .into_iter()
     .chain(Mouse::ALL.map(|(mouse, name)| action(C::SetMouse(mouse), name, None)))
+    .chain([
+        action(C::Compare(Against::Now), "Compare with the plan as it is now", None),
+        action(C::Compare(Against::Dates(DateSet::Planned)), "Compare with planned dates", None),
+        action(C::Compare(Against::Dates(DateSet::Actual)), "Compare with actual dates", None),
+        action(C::Compare(Against::Dates(DateSet::Baseline)), "Compare with baseline dates", None),
+        action(C::Compare(Against::Dates(DateSet::Forecast)), "Compare with forecast dates", None),
+        action(C::CompareFile, "Compare with another schedule…", None),
+        action(C::StopComparing, "Stop comparing", Some(S::key(Key::E))),
+    ])
     .collect()
 }
 

@@ -280,6 +280,8 @@ pub enum Ask {
     Models,
     /// .json, .csv, .xml, .xer and .ifc.
     Schedules,
+    /// One of these, to hold the shown one against.
+    Compared,
 }
 
 /// What a dialog came back with.
@@ -290,6 +292,8 @@ pub enum Answer {
     Place(PathBuf),
     /// The place of the project file.
     Project(PathBuf),
+    /// The schedule to hold the shown one against.
+    Compared(PathBuf),
     /// The user closed it.
     Closed,
     /// A file that was written, or why it could not be.
@@ -322,7 +326,7 @@ pub fn ask(what: Ask, wake: Wake) -> std::io::Result<Job<Answer>> {
         Ask::Models => rfd::AsyncFileDialog::new()
             .set_title("Open model")
             .add_filter("Models and projects", &["glb", "gltf", "topout"]),
-        Ask::Schedules => rfd::AsyncFileDialog::new()
+        Ask::Schedules | Ask::Compared => rfd::AsyncFileDialog::new()
             .set_title("Open schedule")
             .add_filter("Schedules and links", &["json", "csv", "xml", "xer", "ifc"]),
     };
@@ -330,7 +334,10 @@ pub fn ask(what: Ask, wake: Wake) -> std::io::Result<Job<Answer>> {
     // Some systems insist that dialogs start on the main thread; waiting happens on another.
     let chosen = dialog.pick_files();
     Job::spawn("topout-dialog", wake, move |_| match pollster::block_on(chosen) {
-        Some(files) => Answer::Chosen(files.iter().map(|f| f.path().to_owned()).collect()),
+        Some(files) => match (what, files.first()) {
+            (Ask::Compared, Some(file)) => Answer::Compared(file.path().to_owned()),
+            _ => Answer::Chosen(files.iter().map(|f| f.path().to_owned()).collect()),
+        },
         None => no_file(asked, NO_OPEN_DIALOG),
     })
 }

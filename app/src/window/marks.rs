@@ -1,6 +1,7 @@
 //! What is painted over the 3D view: frames, pivots, handles and distances.
 
 use super::camera::Camera;
+use super::compare::Half;
 use super::measure::{self, words};
 use super::navigation::Drag;
 use super::section::handles::{self, Handle};
@@ -14,6 +15,7 @@ use topout_scene::Aabb;
 /// Where to paint.
 pub(super) struct Marks<'a> {
     pub state: &'a AppState,
+    pub side: Half,
     /// Of the picture, points.
     pub place: Rect,
     pub pixels_per_point: f32,
@@ -27,6 +29,7 @@ impl Marks<'_> {
         self.absent(ui, &painter);
         self.section(ui, &painter, pulled);
         self.distances(ui, &painter);
+        self.name(ui, &painter);
         match gesture {
             Some((Drag::Frame, from, _)) => {
                 if let Some(to) = ui.input(|i| i.pointer.latest_pos()) {
@@ -45,6 +48,22 @@ impl Marks<'_> {
             }
             _ => {}
         }
+    }
+
+    /// Which of two plans this is.
+    fn name(&self, ui: &Ui, painter: &Painter) {
+        let Some([shown, other]) = self.state.names_compared() else { return };
+        let text = if self.side == Half::Shown { shown } else { other };
+        let font = FontId::proportional(SMALL + 2.0);
+        let galley = painter.layout_no_wrap(text, font, palette(ui).text);
+        let at = self.place.center_top() + egui::vec2(0.0, 14.0);
+        let place = Align2::CENTER_TOP.anchor_size(at, galley.size());
+        painter.rect_filled(
+            place.expand2(egui::vec2(8.0, 3.0)),
+            4.0,
+            palette(ui).panel.gamma_multiply(0.92),
+        );
+        painter.galley(place.min, galley, palette(ui).text);
     }
 
     fn position(&self, pixel: Vec2) -> Pos2 {
@@ -66,11 +85,10 @@ impl Marks<'_> {
     /// The box of a selected element that is not there.
     fn absent(&self, ui: &Ui, painter: &Painter) {
         let state = self.state;
-        if let (Some(project), Some(element)) = (&state.project, state.selected.only())
-            && !(project.scene.behaviour(element).at(state.time())
-                && state.shown(element) != Shown::Hidden)
+        if let (Some(scene), Some(element)) = (state.scene_on(self.side), state.selected.only())
+            && !(scene.behaviour(element).at(state.time()) && state.shown(element) != Shown::Hidden)
         {
-            let bounds: &Aabb = &project.scene.model.elements[element.index()].bounds;
+            let bounds: &Aabb = &scene.model.elements[element.index()].bounds;
             let stroke = Stroke::new(1.5, palette(ui).accent.gamma_multiply(0.45));
             let corners = bounds.grown(bounds.diameter() * 0.01).corners();
             for [a, b] in edges(corners) {
@@ -149,7 +167,7 @@ impl Marks<'_> {
         let pointer = ui.input(|i| i.pointer.hover_pos()).filter(|p| self.place.contains(*p))?;
         let pixel = (pointer - self.place.min) * self.pixels_per_point;
         let pixel = Vec2::new(pixel.x, pixel.y);
-        let hit = self.state.pick(pixel)?;
+        let hit = self.state.pick(self.side, pixel)?;
         let reach = measure::SNAP * self.pixels_per_point;
         let (camera, size) = (&self.state.camera, self.state.picture);
         Some(measure::snapped(hit.corners, hit.point, camera, pixel, size, reach))

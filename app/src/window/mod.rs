@@ -10,7 +10,9 @@ mod chrome;
 mod clock;
 mod coloring;
 mod command;
+mod compare;
 mod cube;
+mod explode;
 mod export;
 mod finder;
 mod frames;
@@ -21,6 +23,7 @@ mod inspector;
 mod loading;
 mod marks;
 mod measure;
+mod modes;
 mod navigation;
 mod overlay;
 mod project_file;
@@ -43,6 +46,7 @@ pub use calendar::Calendar;
 pub use camera::Camera;
 pub use clock::{Clock, Run, Speed, Step};
 pub use command::{Action, Command, Panel, Shortcut, actions};
+pub use compare::{Against, Half};
 pub use export::{Export, Product};
 pub use frames::FrameLog;
 pub use gantt::{Filter, Gantt, Plan};
@@ -125,6 +129,9 @@ pub fn wgpu_setup() -> egui_wgpu::WgpuSetup {
 pub struct Window {
     state: AppState,
     viewport: Viewport,
+    /// The picture on the other side of a comparison.
+    other: Option<Viewport>,
+    device: egui_wgpu::RenderState,
 }
 
 impl Window {
@@ -146,7 +153,7 @@ impl Window {
         if let Some(request) = request {
             state.apply(Command::Load(request));
         }
-        Ok(Self { state, viewport })
+        Ok(Self { state, viewport, other: None, device: device.clone() })
     }
 
     /// What is shown.
@@ -157,12 +164,36 @@ impl Window {
     /// Whether what is shown will change without the user: a thread is at work, levels fade into each other,
     /// or the GPU has not told what a frame took.
     pub fn is_busy(&self) -> bool {
-        self.state.is_busy() || self.viewport.is_fading() || self.viewport.expects_gpu_times()
+        self.state.is_busy() || self.is_fading() || self.viewport.expects_gpu_times()
     }
 
     /// For driving the window from a program.
     pub fn state_mut(&mut self) -> &mut AppState {
         &mut self.state
+    }
+
+    fn is_fading(&self) -> bool {
+        self.viewport.is_fading() || self.other.as_ref().is_some_and(Viewport::is_fading)
+    }
+
+    /// The 3D view, or two beside each other; returns the place of all.
+    fn pictures(&mut self, ui: &mut Ui) -> egui::Rect {
+        let place = ui.available_rect_before_wrap();
+        if self.state.compared.is_none() {
+            self.other = None;
+            self.viewport.show(ui, &mut self.state, Half::Shown, place);
+            return place;
+        }
+        // Both of one size, in whole pixels.
+        let scale = ui.ctx().pixels_per_point();
+        let width = ((place.width() - 2.0) * 0.5 * scale).floor().max(1.0) / scale;
+        let [mut left, mut right] = [place; 2];
+        left.set_right(place.left() + width);
+        right.set_left(place.right() - width);
+        let other = self.other.get_or_insert_with(|| Viewport::new(&self.device));
+        self.viewport.show(ui, &mut self.state, Half::Shown, left);
+        other.show(ui, &mut self.state, Half::Other, right);
+        place
     }
 
     /// Moves on foot or in the air, while its keys are down and nothing is typed.
@@ -209,7 +240,7 @@ impl eframe::App for Window {
 
         let mut commands = Vec::new();
         CentralPanel::no_frame().show(ui, |ui| {
-            let place = self.viewport.show(ui, &mut self.state);
+            let place = self.pictures(ui);
             if self.state.project.is_none() {
                 let middle = egui::Rect::from_center_size(
                     place.center(),
@@ -228,7 +259,7 @@ impl eframe::App for Window {
             self.state.apply(command);
         }
         self.take_effects(&ctx);
-        if changed || moving || self.state.clock.is_playing() || self.viewport.is_fading() {
+        if changed || moving || self.state.clock.is_playing() || self.is_fading() {
             // The panels were drawn before the change.
             ctx.request_repaint();
         } else if self.is_busy() {

@@ -3,6 +3,7 @@
 use super::command::{Command, Panel, keys_of};
 use super::cube;
 use super::loading::Job;
+use super::modes;
 use super::state::{AppState, Tree};
 use super::theme::{SMALL, palette};
 use super::visibility::Shown;
@@ -234,6 +235,12 @@ fn notices(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         }
         Tree::Ready(tree) => refining(ui, state, tree, commands),
         Tree::None => {}
+    }
+    if let Some(job) = &state.comparing {
+        working(ui, "Comparing", job, Command::StopComparing, commands);
+    }
+    if state.project.is_some() && modes::any(state) {
+        card(ui).show(ui, |ui| modes::show(ui, state, commands));
     }
     if let Some(job) = &state.exporting {
         working(ui, "Saving", job, Command::CancelExport, commands);

@@ -20,8 +20,10 @@ use topout_schedule::{Schedule, TimeRange};
 
 /// What an edit starts from.
 pub struct Base {
-    project: Arc<Project>,
-    tree: Option<Arc<Hdlod>>,
+    /// What is shown.
+    pub project: Arc<Project>,
+    /// Its tree, where it is ready.
+    pub tree: Option<Arc<Hdlod>>,
 }
 
 /// The shown project with other dates.
@@ -142,6 +144,11 @@ impl Edit {
         Ok(Loaded::Other(Box::new(project), news))
     }
 
+    /// The project with other dates, and its tree.
+    pub fn made(self) -> (Arc<Project>, Option<Arc<Hdlod>>) {
+        (Arc::new(self.project), self.tree.map(|(tree, _)| tree))
+    }
+
     /// What happened, for people.
     fn news(&self) -> String {
         if self.relinked {
@@ -220,7 +227,8 @@ fn keep_rules(request: &mut Request, rules: &Rules) -> Result<(), String> {
 }
 
 impl AppState {
-    fn ready_tree(&self) -> Option<&Arc<Hdlod>> {
+    /// The tree of what is shown, where it is ready.
+    pub fn ready_tree(&self) -> Option<&Arc<Hdlod>> {
         match &self.tree {
             Tree::Ready(tree) => Some(tree),
             _ => None,
@@ -245,7 +253,7 @@ impl AppState {
         self.start_loading("the schedule".to_owned(), work);
     }
 
-    fn base(&self) -> Option<Base> {
+    pub(super) fn base(&self) -> Option<Base> {
         let project = Arc::clone(self.project.as_ref()?);
         Some(Base { project, tree: self.ready_tree().cloned() })
     }

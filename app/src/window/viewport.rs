@@ -5,15 +5,16 @@
 
 use super::camera::Camera;
 use super::command::{Command, actions};
+use super::compare::{Half, Shown};
 use super::marks;
 use super::measure;
 use super::navigation::{Drag, Navigation};
 use super::section::Section;
 use super::section::handles::{self, Handle};
 use super::selection::Choose;
-use super::state::{AppState, Tree};
+use super::state::AppState;
 use super::theme::palette;
-use super::visibility::Shown;
+use super::visibility;
 use egui::{Color32, PointerButton, Pos2, Rect, Sense, TextureId, Ui};
 use egui_wgpu::RenderState;
 use glam::{UVec2, Vec2, Vec3};
@@ -36,6 +37,7 @@ const POINTS_PER_NOTCH: f32 = 50.0;
 pub struct Viewport {
     window: RenderState,
     renderer: Renderer,
+    side: Half,
     texture: Option<(TextureId, UVec2)>,
     scene: Option<Arc<Scene>>,
     tree: Option<Arc<Hdlod>>,
@@ -73,6 +75,14 @@ struct Gesture {
     point: Vec3,
 }
 
+impl Drop for Viewport {
+    fn drop(&mut self) {
+        if let Some((id, _)) = self.texture {
+            self.window.renderer.write().free_texture(&id);
+        }
+    }
+}
+
 impl Viewport {
     /// Shares the window's device.
     pub fn new(window: &RenderState) -> Self {
@@ -81,6 +91,7 @@ impl Viewport {
         Self {
             window: window.clone(),
             renderer: Renderer::new(&gpu),
+            side: Half::Shown,
             texture: None,
             scene: None,
             tree: None,
@@ -112,19 +123,20 @@ impl Viewport {
         self.renderer.expects_gpu_times()
     }
 
-    /// Fills what is left of `ui` with the picture; returns the place that it takes.
-    pub fn show(&mut self, ui: &mut Ui, state: &mut AppState) -> Rect {
+    /// Fills `place` with the picture of one side.
+    pub fn show(&mut self, ui: &mut Ui, state: &mut AppState, side: Half, place: Rect) {
         let pixels_per_point = ui.ctx().pixels_per_point();
-        let place = ui.available_rect_before_wrap();
         let response = ui
             .allocate_rect(place, Sense::click_and_drag())
             .on_hover_cursor(egui::CursorIcon::Default);
-        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
+        let name = if side == Half::Shown { "3D view" } else { "3D view of the other plan" };
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, name));
+        self.side = side;
         let size = (place.size() * pixels_per_point).round();
         state.set_picture(UVec2::new(size.x.max(1.0) as u32, size.y.max(1.0) as u32));
         if state.project.is_none() {
             ui.painter().rect_filled(place, 0.0, palette(ui).well);
-            return place;
+            return;
         }
         let pixel = |p: Pos2| {
             let p = (p - place.min) * pixels_per_point;
@@ -143,13 +155,12 @@ impl Viewport {
             let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
             ui.painter().image(texture, place, whole, Color32::WHITE);
         }
-        let marks = marks::Marks { state, place, pixels_per_point };
+        let marks = marks::Marks { state, side, place, pixels_per_point };
         marks.paint(
             ui,
             self.gesture.map(|g| (g.kind, g.from, g.point)),
             self.pull.as_ref().map(|p| p.0),
         );
-        place
     }
 
     fn gestures(
@@ -206,7 +217,7 @@ impl Viewport {
                 (Drag::Orbit, Some(project)) if !project.focus.is_empty() => project.focus.center(),
                 _ => state.camera.point_at_reach(from, state.picture),
             };
-            let point = state.pick(from).map_or(fallback, |hit| hit.point);
+            let point = state.pick(self.side, from).map_or(fallback, |hit| hit.point);
             self.gesture = Some(Gesture { kind, camera: state.camera, from, point });
         }
         if let (Some(gesture), true, Some(now)) = (self.gesture, response.dragged(), now) {
@@ -230,14 +241,14 @@ impl Viewport {
             && let Some(gesture) = self.gesture.take()
             && let (Drag::Frame, Some(now)) = (gesture.kind, now)
         {
-            let found = state.within(gesture.from, pixel(now));
+            let found = state.within(self.side, gesture.from, pixel(now));
             let how = if modifiers.shift { Choose::Add } else { Choose::Only };
             commands.push(Command::Choose(how, found));
         }
         if response.clicked()
             && let Some(at) = response.interact_pointer_pos()
         {
-            let hit = state.pick(pixel(at));
+            let hit = state.pick(self.side, pixel(at));
             commands.extend(match (hit, Choose::by(modifiers)) {
                 (Some(hit), _) if state.measure.on => {
                     let reach = measure::SNAP * pixels_per_point;
@@ -253,7 +264,7 @@ impl Viewport {
         if response.secondary_clicked()
             && let Some(at) = response.interact_pointer_pos()
         {
-            self.clicked = state.pick(pixel(at));
+            self.clicked = state.pick(self.side, pixel(at));
             if let Some(hit) = self.clicked
                 && !state.selected.contains(hit.element)
             {
@@ -264,7 +275,7 @@ impl Viewport {
         let factor = ZOOM_PER_NOTCH.powf(wheel_notches(ui).y);
         if let (Some(hover), true) = (response.hover_pos(), factor != 1.0) {
             let at = pixel(hover);
-            let point = match state.pick(at) {
+            let point = match state.pick(self.side, at) {
                 Some(hit) => hit.point,
                 None => state.camera.point_at_reach(at, state.picture),
             };
@@ -282,11 +293,7 @@ impl Viewport {
 
     /// Uploads what changed; reports what does not fit on the device.
     fn take_over(&mut self, state: &AppState) -> Option<Command> {
-        let project = state.project.as_ref()?;
-        let tree = match &state.tree {
-            Tree::Ready(tree) => Some(tree),
-            _ => None,
-        };
+        let Shown { project, tree, .. } = state.on(self.side)?;
         let level_colors = state.level_colors && tree.is_some();
         let same_scene = self.scene.as_ref().is_some_and(|s| Arc::ptr_eq(s, &project.scene));
         let same_tree = match (&self.tree, tree) {
@@ -326,8 +333,7 @@ impl Viewport {
 
     /// Gives elements the looks that are wanted now.
     fn take_looks(&mut self, state: &AppState) -> Option<Command> {
-        state.project.as_ref()?;
-        let wanted = state.coloring.looks().filter(|_| !self.level_colors).cloned();
+        let wanted = state.on(self.side)?.looks.filter(|_| !self.level_colors).cloned();
         if wanted.as_ref().map(Arc::as_ptr) == self.looks.as_ref().map(Arc::as_ptr) {
             return None;
         }
@@ -386,9 +392,12 @@ impl Viewport {
         let input = FrameInput {
             view: state.view(state.picture),
             time: state.time(),
-            mode: state.effective_mode(),
+            mode: state.mode_on(self.side),
         };
-        state.frames.add_gpu_times(&self.renderer.take_gpu_times());
+        let times = self.renderer.take_gpu_times();
+        if self.side == Half::Shown {
+            state.frames.add_gpu_times(&times);
+        }
         let fade = if state.fade { FADE } else { Duration::ZERO };
         let options = Options { sun: state.sun, fade, ..self.renderer.options() };
         let elements = state.selected.elements();
@@ -402,7 +411,9 @@ impl Viewport {
         self.renderer.set_selection(elements, color);
         let marked = (elements.to_vec(), color);
         let stats = self.renderer.render(&input);
-        state.frames.show(stats, self.renderer.has_timestamps());
+        if self.side == Half::Shown {
+            state.frames.show(stats, self.renderer.has_timestamps());
+        }
         self.fading = stats.fading > 0;
         self.drawn = Some((input, marked));
         let mut egui_renderer = self.window.renderer.write();
@@ -438,10 +449,10 @@ fn context_menu(ui: &mut Ui, state: &AppState, clicked: Option<Hit>, commands: &
     }
     let wanted = [
         Command::FitSelection,
-        Command::DrawSelection(Shown::Hidden),
-        Command::DrawSelection(Shown::Ghost),
-        Command::Isolate(Shown::Hidden),
-        Command::Isolate(Shown::Ghost),
+        Command::DrawSelection(visibility::Shown::Hidden),
+        Command::DrawSelection(visibility::Shown::Ghost),
+        Command::Isolate(visibility::Shown::Hidden),
+        Command::Isolate(visibility::Shown::Ghost),
         Command::SectionBox(true),
         Command::ShowAll,
         Command::ClearSelection,

@@ -4,6 +4,7 @@
 
 mod common;
 mod glass;
+mod section;
 mod selection;
 mod site;
 

@@ -1,5 +1,6 @@
 //! Files that the window opens and saves, on threads of their own.
 
+use super::super::compare::Against;
 use super::super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, ask, save};
 use super::super::project_file::{self, EXTENSION};
 use super::AppState;
@@ -73,6 +74,7 @@ impl AppState {
         self.dialog = None;
         match answer {
             Answer::Chosen(paths) => self.open_files(paths),
+            Answer::Compared(path) => self.compare(Against::Schedule(path)),
             Answer::Closed => {}
             Answer::Project(path) => self.save_project_to(path),
             Answer::Place(path) => self.export.file = path.display().to_string(),

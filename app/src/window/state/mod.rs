@@ -10,6 +10,8 @@ use super::camera::Camera;
 use super::clock::{Clock, Run};
 use super::coloring::Coloring;
 use super::command::{Command, Panel};
+use super::compare::{Compared, Comparing, Half};
+use super::explode::Explosion;
 use super::export::{Export, Exporting, browse};
 use super::frames::FrameLog;
 use super::gantt::Gantt;
@@ -105,6 +107,10 @@ pub struct AppState {
     pub loading: Option<(String, Job<anyhow::Result<Loaded>>)>,
     /// Ends when the schedule's files have changed.
     pub(super) watching: Option<Job<Vec<Stamp>>>,
+    /// What the shown plan is held against.
+    pub compared: Option<Compared>,
+    /// The same on its way.
+    pub comparing: Option<Comparing>,
     dialog: Option<Job<Answer>>,
     /// Where the shown project is saved.
     pub project_file: Option<PathBuf>,
@@ -162,6 +168,8 @@ pub struct AppState {
     pulling_section: bool,
     /// Distances.
     pub measure: Measure,
+    /// Storeys that stand apart.
+    pub explosion: Explosion,
     /// What can be taken back.
     pub history: History,
     /// The looks that follow from these.
@@ -200,6 +208,8 @@ impl AppState {
             keeping: Vec::new(),
             loading: None,
             watching: None,
+            compared: None,
+            comparing: None,
             dialog: None,
             project_file: None,
             saved: None,
@@ -228,6 +238,7 @@ impl AppState {
             section: Section::default(),
             pulling_section: false,
             measure: Measure::default(),
+            explosion: Explosion::default(),
             history: History::default(),
             coloring: Coloring::default(),
             sun: Sun::Fixed,
@@ -248,7 +259,12 @@ impl AppState {
 
     /// The period that the timeline spans.
     pub fn period(&self) -> TimeRange {
-        self.project.as_ref().map(|p| p.calendar.period()).unwrap_or_default()
+        let Some(project) = &self.project else { return TimeRange::default() };
+        let own = project.calendar.period();
+        self.compared.as_ref().map_or(own, |compared| {
+            let other = compared.project.calendar.period();
+            TimeRange { start: own.start.min(other.start), end: own.end.max(other.end) }
+        })
     }
 
     /// Whether some thread is at work whose result will change what is shown.
@@ -258,16 +274,14 @@ impl AppState {
             || self.refining.is_some()
             || self.dialog.is_some()
             || self.exporting.is_some()
+            || self.comparing.is_some()
+            || self.explosion.is_going_on()
             || self.table.is_measuring()
     }
 
     /// How the scene can be drawn now: in full detail until the tree is ready.
     pub fn effective_mode(&self) -> DrawMode {
-        match (&self.tree, self.mode) {
-            (Tree::Ready(_), mode) => mode,
-            (_, DrawMode::Hdlod) => DrawMode::Batched,
-            (_, mode) => mode,
-        }
+        self.mode_on(Half::Shown)
     }
 
     /// Carries out one command.
@@ -418,6 +432,11 @@ impl AppState {
                 next.unscheduled = unscheduled;
                 self.set_visibility(next);
             }
+            Command::Compare(against) => self.compare(against),
+            Command::CompareFile => self.ask(Ask::Compared),
+            Command::StopComparing => self.stop_comparing(),
+            Command::Explode(gap) => self.explode(gap),
+            Command::ToggleExplosion => self.toggle_explosion(),
             Command::SetSection(next) => self.set_section(*next),
             Command::SettleSection => self.settle_section(),
             Command::ToggleSection => {
@@ -519,6 +538,9 @@ impl AppState {
     pub fn refresh(&mut self) {
         let time = self.time();
         self.coloring.refresh(self.project.as_ref(), self.colors, &self.visibility, time);
+        if let Some(Compared { project, coloring, .. }) = &mut self.compared {
+            coloring.refresh(Some(project), self.colors, &self.visibility, time);
+        }
         if let Some(project) = &self.project {
             self.gantt.refresh(project, time);
             if self.panels.tree {
@@ -578,6 +600,8 @@ impl AppState {
             }
         }
         self.poll_export();
+        self.poll_comparing();
+        self.poll_explosion();
         self.poll_refining();
         self.poll_watching();
         self.keeping.retain(Keeping::is_going_on);
@@ -598,6 +622,8 @@ impl AppState {
         self.selected = Selected::default();
         self.clock.pause();
         self.history.forget_dates();
+        (self.compared, self.comparing) = (None, None);
+        self.forget_explosion();
         if !same_models {
             self.visibility = Visibility::default();
             self.section = Section::default();

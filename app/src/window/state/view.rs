@@ -1,6 +1,7 @@
 //! Where one looks from, and what is under the pointer.
 
 use super::super::camera::Camera;
+use super::super::compare::Half;
 use super::super::history::Change;
 use super::super::navigation::{EYES_M, Navigation};
 use super::super::section::{Section, SectionBox};
@@ -35,8 +36,8 @@ impl AppState {
     }
 
     /// The point of a present element under a pixel.
-    pub fn pick(&self, pixel: glam::Vec2) -> Option<Hit> {
-        let project = self.project.as_ref()?;
+    pub fn pick(&self, side: Half, pixel: glam::Vec2) -> Option<Hit> {
+        let project = self.on(side)?.project;
         let (eye, direction) = self.camera.ray(pixel, self.picture);
         let (scene, time) = (&project.scene, self.time());
         let whole = |id| self.visibility.of(scene, id) == Shown::Whole;
@@ -45,17 +46,17 @@ impl AppState {
 
     /// The present elements within a rectangle of the picture, given by two corners in the order in which
     /// it was drawn: from left to right those that lie in it wholly, from right to left all that it touches.
-    pub fn within(&self, from: glam::Vec2, to: glam::Vec2) -> Vec<ElementId> {
-        let Some(project) = &self.project else { return Vec::new() };
+    pub fn within(&self, side: Half, from: glam::Vec2, to: glam::Vec2) -> Vec<ElementId> {
+        let Some(scene) = self.scene_on(side) else { return Vec::new() };
         let (min, max) = (from.min(to), from.max(to));
         let wholly = from.x <= to.x;
         let clip = self.section.clip();
         let found = |id: ElementId| {
-            let bounds = &project.scene.model.elements[id.index()].bounds;
+            let bounds = &scene.model.elements[id.index()].bounds;
             if bounds.is_empty()
                 || clip.test(bounds) == Containment::Outside
-                || !project.scene.behaviour(id).at(self.time())
-                || self.shown(id) != Shown::Whole
+                || !scene.behaviour(id).at(self.time())
+                || self.visibility.of(scene, id) != Shown::Whole
             {
                 return false;
             }
@@ -73,10 +74,7 @@ impl AppState {
                 false => low.cmple(max).all() && high.cmpge(min).all(),
             }
         };
-        (0..project.scene.model.elements.len() as u32)
-            .map(ElementId)
-            .filter(|id| found(*id))
-            .collect()
+        (0..scene.model.elements.len() as u32).map(ElementId).filter(|id| found(*id)).collect()
     }
 
     pub(super) fn step_view(&mut self, back: bool) {
