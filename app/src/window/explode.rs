@@ -37,6 +37,8 @@ struct Before {
     model: Arc<Model>,
     /// What is shown again if nothing but places was changed: that and its tree, and what it became.
     whole: Option<(Arc<Project>, Option<Arc<Hdlod>>, Arc<Project>)>,
+    /// Where that tree came from.
+    origin: Option<&'static str>,
 }
 
 impl Explosion {
@@ -136,6 +138,7 @@ impl AppState {
         let before = self.explosion.before.get_or_insert_with(|| Before {
             model: Arc::clone(&of.scene.model),
             whole: Some((Arc::clone(&of), tree, Arc::clone(&of))),
+            origin: self.tree_origin,
         });
         // Apart by another distance it is still what it was.
         before.whole = before.whole.take().filter(|(.., now)| Arc::ptr_eq(now, &of));
@@ -152,11 +155,12 @@ impl AppState {
             self.project = Some(project);
             return self.build_tree();
         }
-        self.explosion.before = None;
+        let origin = self.explosion.before.take().and_then(|before| before.origin);
         match whole {
             Some((whole, Some(tree), _)) => {
                 self.project = Some(whole);
                 self.tree = Tree::Ready(tree);
+                self.tree_origin = origin;
             }
             Some((whole, None, _)) => {
                 self.project = Some(whole);

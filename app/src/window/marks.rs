@@ -56,8 +56,8 @@ impl Marks<'_> {
         let text = if self.side == Half::Shown { shown } else { other };
         let font = FontId::proportional(SMALL + 2.0);
         let galley = painter.layout_no_wrap(text, font, palette(ui).text);
-        let at = self.place.center_top() + egui::vec2(0.0, 14.0);
-        let place = Align2::CENTER_TOP.anchor_size(at, galley.size());
+        let at = self.place.center_bottom() - egui::vec2(0.0, 16.0);
+        let place = Align2::CENTER_BOTTOM.anchor_size(at, galley.size());
         painter.rect_filled(
             place.expand2(egui::vec2(8.0, 3.0)),
             4.0,

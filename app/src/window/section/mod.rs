@@ -84,7 +84,8 @@ impl SectionBox {
     }
 
     fn is_sound(&self) -> bool {
-        let values = [self.center, self.half].iter().all(|v| v.abs().max_element() < FARTHEST);
+        let values =
+            [self.center, self.half].iter().all(|v| v.is_finite() && v.length() < FARTHEST);
         values && self.half.min_element() > 0.0 && self.turn.is_finite()
     }
 }
@@ -96,7 +97,9 @@ impl SectionPlane {
     }
 
     fn is_sound(&self) -> bool {
-        self.at.abs().max_element() < FARTHEST && (self.outward.length() - 1.0).abs() < 1e-3
+        self.at.is_finite()
+            && self.at.length() < FARTHEST
+            && (self.outward.length() - 1.0).abs() < 1e-3
     }
 }
 

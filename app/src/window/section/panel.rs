@@ -19,7 +19,7 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
         .open(&mut open)
         .resizable(false)
         .collapsible(false)
-        .default_pos([24.0, 140.0])
+        .default_pos([24.0, 220.0])
         .show(ctx, |ui| {
             let origin = project.scene.model.origin;
             let mut next = state.section.clone();

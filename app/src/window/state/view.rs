@@ -190,9 +190,20 @@ impl AppState {
         }
     }
 
+    /// What standard views fit: the building, or what a section box leaves of it.
+    fn focus(&self) -> Aabb {
+        let Some(project) = &self.project else { return Aabb::EMPTY };
+        let whole = project.focus;
+        let Some(boxed) = self.section.boxed.filter(|_| self.section.on) else { return whole };
+        let boxed = Aabb::of_points(boxed.corners());
+        let (min, max) = (boxed.min.max(whole.min), boxed.max.min(whole.max));
+        let left = Aabb { min, max };
+        if left.is_empty() { whole } else { left }
+    }
+
     pub(super) fn fit(&mut self) {
-        if let Some(project) = &self.project {
-            self.camera = self.camera.fit(&project.focus, self.picture);
+        if self.project.is_some() {
+            self.camera = self.camera.fit(&self.focus(), self.picture);
             self.fitted = true;
         }
     }
@@ -208,9 +219,9 @@ impl AppState {
     }
 
     pub(super) fn look_from(&mut self, named: NamedView) {
-        if let Some(project) = &self.project {
+        if self.project.is_some() {
             let parallel = self.camera.parallel;
-            let fitted = Camera::fit_named(&project.focus, named, self.picture);
+            let fitted = Camera::fit_named(&self.focus(), named, self.picture);
             self.camera = Camera { parallel, ..fitted };
             self.fitted = true;
         }
