@@ -14,6 +14,7 @@ mod machines;
 mod mesh;
 mod model;
 mod palette;
+mod planning;
 mod programme;
 mod random;
 mod shapes;
@@ -125,9 +126,10 @@ pub fn generate(
     progress.begin("Building the demo project", wanted as u64)?;
     let names = model::names(&b.parts);
     let model = model::model(&b, &names, settings.triangles, settings.seed, progress)?;
-    let activities = programme::activities(&b.works, &b.parts, &names, settings.activities)?;
+    let (activities, outline) =
+        programme::activities(&b.works, &b.parts, &names, settings.activities)?;
     progress.check()?;
-    Ok((model, programme::schedule(activities)))
+    Ok((model, programme::schedule(activities, outline)))
 }
 
 /// Everything but the fittings, as large as fits into `wanted` elements.

@@ -4,10 +4,12 @@ use super::DemoError;
 use super::builder::{Part, WorkId};
 use super::design::Design;
 use super::model::storey_code;
+use super::planning::{self, Origin};
 use chrono::{Days, NaiveDate};
 use std::sync::Arc;
 use topout_schedule::{
     Activity, ActivityKind, CalendarException, Diagnostics, Schedule, Shift, Time, TimeRange,
+    WbsNode,
 };
 
 /// First and last instant of the project.
@@ -167,6 +169,14 @@ impl Calendar {
         (self.days.len() as i64 - 1) * DAY_MINUTES + LAST_DAY_MINUTES
     }
 
+    /// The same time of day so many working days earlier; the first or the last day where there are not so many.
+    pub(super) fn days_before(&self, time: Time, count: i64) -> Time {
+        let day = self.days.partition_point(|day| *day <= time).max(1) - 1;
+        let earlier = (day as i64 - count).clamp(0, self.days.len() as i64 - 1) as usize;
+        let of_day = time.seconds() - self.days[day].seconds();
+        self.days[earlier].plus_seconds(of_day)
+    }
+
     /// When work of this minute starts: the end of a day is the next morning.
     fn start(&self, minute: i64) -> Time {
         let day = (minute / DAY_MINUTES).clamp(0, self.days.len() as i64 - 1);
@@ -225,7 +235,7 @@ pub(super) fn activities(
     parts: &[Part],
     names: &[String],
     wanted: usize,
-) -> Result<Vec<Activity>, DemoError> {
+) -> Result<(Vec<Activity>, Vec<WbsNode>), DemoError> {
     let members = members(works.len(), parts);
     let packages = members.iter().filter(|m| !m.is_empty()).count();
     let links: usize = members.iter().map(Vec::len).sum();
@@ -238,8 +248,9 @@ pub(super) fn activities(
     let mut writer = Writer {
         calendar: Calendar::new(),
         names,
-        fields: ["trade", "storey", "wbs"].map(Arc::from),
+        fields: ["trade", "storey", "package"].map(Arc::from),
         list: Vec::with_capacity(wanted),
+        origins: Vec::with_capacity(wanted),
     };
     let (mut seen_spare, mut seen) = (0, 0);
     for (w, (work, members)) in works.iter().zip(&members).enumerate() {
@@ -256,7 +267,11 @@ pub(super) fn activities(
         writer.package(w, work, members, own);
         writer.checks(w, work, members, checks);
     }
-    Ok(writer.list)
+    let Writer { calendar, mut list, origins, .. } = writer;
+    let outline = planning::outline(&mut list, &origins, works);
+    planning::link(&mut list, &origins, works);
+    planning::progress(&mut list, &origins, works, &calendar);
+    Ok((list, outline))
 }
 
 struct Writer<'a> {
@@ -265,6 +280,8 @@ struct Writer<'a> {
     /// The names of the fields that every activity has.
     fields: [Arc<str>; 3],
     list: Vec<Activity>,
+    /// Of each in `list`.
+    origins: Vec<Origin>,
 }
 
 impl Writer<'_> {
@@ -278,6 +295,7 @@ impl Writer<'_> {
             let span = (share(work.on, k), share(until, k + 1));
             let members = &members[piece(members.len(), count, k)];
             self.push(number, work, work.name, span, members, (k, count), work.kind);
+            self.origins.push(Origin { work: number as u32, check: false, index: k, count });
         }
     }
 
@@ -293,6 +311,8 @@ impl Writer<'_> {
                 let members = &members[piece(members.len(), now, k)];
                 let span = (from, from + length.max(60.0));
                 self.push(number, work, name, span, members, (k, now), ActivityKind::Neutral);
+                let work = number as u32;
+                self.origins.push(Origin { work, check: true, index: k, count: now });
             }
             left -= now;
             pass += 1;
@@ -338,13 +358,15 @@ impl Writer<'_> {
 }
 
 /// The schedule around finished activities.
-pub(super) fn schedule(activities: Vec<Activity>) -> Schedule {
+pub(super) fn schedule(activities: Vec<Activity>, outline: Vec<WbsNode>) -> Schedule {
     let (start, end) = period();
     let period = TimeRange { start, end };
     let mut schedule =
         Schedule::new("Harbour Tower".to_owned(), Some(period), activities, Diagnostics::default());
     schedule.calendars = vec![site_calendar()];
     schedule.calendar = Some(0);
+    schedule.wbs = outline;
+    schedule.data_date = Some(planning::data_date());
     schedule
 }
 
