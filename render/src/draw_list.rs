@@ -114,6 +114,27 @@ impl DrawList {
         }
     }
 
+    /// Adds elements that are not there, as far as they are outside neither the frame nor the section.
+    pub fn push_previews(
+        &mut self,
+        elements: impl Iterator<Item = ElementId>,
+        scene: &Scene,
+        view: &View,
+    ) {
+        let frustum = view.frustum();
+        for id in elements {
+            let bounds = &scene.model.elements[id.index()].bounds;
+            if frustum.test(bounds) == Containment::Outside {
+                continue;
+            }
+            match view.clip.test(bounds) {
+                Containment::Outside => {}
+                Containment::Partly => self.cut.push(id),
+                Containment::Inside => self.visible.push(id),
+            }
+        }
+    }
+
     /// Appends the commands of the visible elements, one per instance and layer.
     pub fn push_elements(&mut self, model: &Model, meshes: &[MeshRange], through: &SeeThrough) {
         for &id in &self.visible {

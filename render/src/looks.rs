@@ -95,6 +95,17 @@ impl FrameLooks {
         &self.through
     }
 
+    /// The elements that are drawn although they are not there at the date that was set.
+    pub fn previews(&self, scene: &Scene, time: Time) -> impl Iterator<Item = ElementId> {
+        let looks = self.looks.as_ref();
+        let now = if looks.is_some() { &self.now[..] } else { &[] };
+        now.iter()
+            .filter(move |(id, look)| {
+                looks.is_some_and(|looks| looks.is_preview(*look)) && !scene.behaviour(*id).at(time)
+            })
+            .map(|(id, _)| *id)
+    }
+
     /// `None` where everything looks as it is.
     pub fn marks(&self) -> Option<&Marks> {
         self.looks.is_some().then_some(&self.marks)

@@ -487,6 +487,14 @@ impl Renderer {
             }
         }
         let model = &scene.model;
+        let before = self.list.visible.len() + self.list.cut.len();
+        self.list.push_previews(self.looks.previews(scene, time), scene, view);
+        if mode == DrawMode::Hdlod {
+            let new = self.list.visible.iter().chain(&self.list.cut).rev();
+            let new = new.take(self.list.visible.len() + self.list.cut.len() - before);
+            let own = |id: &ElementId| model.triangles_of(&model.elements[id.index()]) as u64;
+            stats.triangles += new.map(own).sum::<u64>();
+        }
         for elements in [&mut self.list.visible, &mut self.list.cut] {
             for id in elements.extract_if(.., |id| through.hides(*id)) {
                 if mode == DrawMode::Hdlod {

@@ -3,6 +3,7 @@
 //! Data flow: files -> [`Model`] -> [`Scene`] (linked to a schedule) -> [`Hdlod`] -> [`Selection`].
 //! Nothing here touches wgpu or egui.
 
+mod ahead_looks;
 pub mod cache;
 mod category_looks;
 pub mod check;
@@ -29,6 +30,7 @@ mod solid;
 mod storeys;
 mod view;
 
+pub use ahead_looks::MOST_WEEKS;
 pub use category_looks::{Category, LegendRow};
 pub use clip::Clip;
 pub use edit::{EditError, Edited, Renumbering};

@@ -20,11 +20,11 @@ impl LookId {
 
 /// A look of an element for a while: from `start` on, until `end`.
 #[derive(Clone, Copy, PartialEq, Debug)]
-struct Spell {
-    start: Time,
-    end: Time,
-    element: ElementId,
-    look: LookId,
+pub(crate) struct Spell {
+    pub start: Time,
+    pub end: Time,
+    pub element: ElementId,
+    pub look: LookId,
 }
 
 /// Which elements look other than they are, and when.
@@ -35,6 +35,7 @@ pub struct Looks {
     spells: Vec<Spell>,
     /// For each spell the last end in the part of which it is the middle.
     last_ends: Vec<Time>,
+    previews: Vec<LookId>,
 }
 
 impl Default for Looks {
@@ -95,19 +96,32 @@ impl Looks {
             Spell { start: Time::MIN, end: Time::MAX, element, look }
         }));
         spells.retain(|spell| spell.look != LookId::OWN);
-        Self::new(palette, spells)
+        Self::with_previews(palette, spells, self.previews.clone())
     }
 
-    fn new(palette: Vec<Look>, mut spells: Vec<Spell>) -> Self {
+    fn new(palette: Vec<Look>, spells: Vec<Spell>) -> Self {
+        Self::with_previews(palette, spells, Vec::new())
+    }
+
+    pub(crate) fn with_previews(
+        palette: Vec<Look>,
+        mut spells: Vec<Spell>,
+        previews: Vec<LookId>,
+    ) -> Self {
         spells.sort_unstable_by_key(|s| (s.start, s.element));
         let mut last_ends = vec![Time::MIN; spells.len()];
         fill_last_ends(&spells, &mut last_ends);
-        Self { palette, spells, last_ends }
+        Self { palette, spells, last_ends, previews }
     }
 
     /// All looks that occur; the first is the elements' own.
     pub fn palette(&self) -> &[Look] {
         &self.palette
+    }
+
+    /// Whether elements of this look are drawn although they are not there yet.
+    pub fn is_preview(&self, look: LookId) -> bool {
+        self.previews.contains(&look)
     }
 
     /// The elements that look other than they are at a time, whether they are there or not, in no order;
@@ -150,7 +164,7 @@ fn fill_last_ends(spells: &[Spell], last_ends: &mut [Time]) -> Time {
 }
 
 /// The place of a look in the palette, where it is added if need be; its own look if there are too many.
-fn id_of(palette: &mut Vec<Look>, look: Look) -> LookId {
+pub(crate) fn id_of(palette: &mut Vec<Look>, look: Look) -> LookId {
     let known = palette.iter().position(|l| *l == look).unwrap_or_else(|| {
         palette.push(look);
         palette.len() - 1

@@ -9,8 +9,11 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 use glam::{Vec2, Vec3};
 use std::sync::Arc;
-use topout::window::{Against, Command, Half, Panel, Section, Window};
-use topout_schedule::{DateSet, TimeRange};
+use topout::window::{
+    Against, Choose, Command, ElementColors, Half, Panel, Section, Window, write_schedule,
+};
+use topout_scene::ElementId;
+use topout_schedule::{DateSet, Time, TimeRange};
 use topout_tests::window::{apply, drag, open_sized, picture, settle, state, view};
 
 fn open() -> Harness<'static, Window> {
@@ -236,4 +239,79 @@ fn storeys_stand_apart_and_together_again() {
     let scene = &state(&harness).project.as_ref().unwrap().scene;
     assert!(Arc::ptr_eq(&scene.model, &project.scene.model));
     assert_eq!(scene.schedule.activities[5].dates(), Some(later));
+}
+
+#[test]
+fn a_look_ahead_shows_what_comes() {
+    let mut harness = open();
+    let time = Time::parse_iso("2027-01-04T07:00").unwrap();
+    apply(&mut harness, Command::JumpTo(time));
+    let project = state(&harness).project.clone().unwrap();
+    // Something that comes in the next days.
+    let soon = |id: &ElementId| {
+        let scene = &project.scene;
+        let starts = scene.activities_of(*id).iter();
+        let starts = starts.filter_map(|a| scene.schedule.activities[*a as usize].start);
+        let behaviour = scene.behaviour(*id);
+        let next = starts.filter(|start| *start > time).min();
+        !behaviour.at(time)
+            && next.is_some_and(|n| n < time.plus_seconds(5 * 86_400) && behaviour.at(n))
+    };
+    let all = (0..project.scene.model.elements.len() as u32).map(ElementId);
+    let coming = all.filter(soon).max_by(|a, b| {
+        let size = |id: &ElementId| project.scene.model.elements[id.index()].bounds.diameter();
+        size(a).total_cmp(&size(b))
+    });
+    let coming = coming.expect("something comes");
+    apply(&mut harness, Command::Choose(Choose::Only, vec![coming]));
+    apply(&mut harness, Command::FitSelection);
+    apply(&mut harness, Command::ClearSelection);
+    let before = picture(&mut harness);
+    press(&mut harness, Modifiers::ALT, Key::A);
+    assert_eq!(state(&harness).colors, ElementColors::LookAhead(4));
+    assert!(picture(&mut harness) != before);
+    let rows = state(&harness).coloring.legend();
+    let row = |name: &str| rows.iter().find(|row| row.name == name).unwrap();
+    assert!(row("starts within a week").elements > 0);
+    assert_eq!(rows.len(), 5);
+    // It is there to be seen, with the first week's colour, and not to be clicked.
+    let bounds = project.scene.model.elements[coming.index()].bounds;
+    let at = position(&harness, bounds.center());
+    let hit = state(&harness).pick(Half::Shown, pixel(&harness, at));
+    assert_ne!(hit.map(|hit| hit.element), Some(coming));
+    apply(&mut harness, Command::LookAhead(2));
+    assert_eq!(state(&harness).coloring.legend().len(), 3);
+    press(&mut harness, Modifiers::ALT, Key::A);
+    assert_eq!(state(&harness).colors, ElementColors::Own);
+}
+
+#[test]
+fn what_if_is_saved_and_read_again() {
+    let mut harness = open();
+    let schedule = |harness: &Harness<'_, Window>| {
+        state(harness).project.clone().unwrap().scene.schedule.clone()
+    };
+    let dates = schedule(&harness).activities[3].dates().unwrap();
+    let later =
+        TimeRange { start: dates.start.plus_seconds(86_400), end: dates.end.plus_seconds(86_400) };
+    apply(&mut harness, Command::MoveActivity(3, later));
+    let schedule = schedule(&harness);
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["plan.json", "plan.csv", "plan"] {
+        let path = write_schedule(&schedule, &folder.path().join(name)).unwrap();
+        let read =
+            topout_schedule::read_files(std::slice::from_ref(&path), &Default::default()).unwrap();
+        assert_eq!(read.activities.len(), schedule.activities.len());
+        for (a, b) in read.activities.iter().zip(&schedule.activities) {
+            assert_eq!(
+                (a.dates(), &a.predecessors),
+                (b.dates(), &b.predecessors),
+                "{name}: {}",
+                a.id
+            );
+        }
+        assert_eq!(read.activities[3].dates(), Some(later));
+    }
+    let error = write_schedule(&schedule, &folder.path().join("none/plan.json")).unwrap_err();
+    assert!(format!("{error:#}").contains("plan.json"), "{error:#}");
 }

@@ -414,6 +414,8 @@ pub enum Colors {
     Activity,
     /// How much earlier or later their activities are: blue to red, see --slip.
     Slip,
+    /// What starts within four weeks, a colour a week; what is not there yet shines through.
+    Ahead,
 }
 
 /// Way of drawing.

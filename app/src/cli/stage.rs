@@ -122,11 +122,15 @@ impl Stage {
     }
 }
 
+/// Weeks that `--colors ahead` shows.
+const AHEAD_WEEKS: u32 = 4;
+
 /// The colours that are asked for, where they are not the model's own.
 fn looks(args: &args::Common, scene: &Scene) -> anyhow::Result<Option<Looks>> {
     match args.colors {
         Colors::Own => Ok(None),
         Colors::Activity => Ok(Some(Looks::of_activities(scene))),
+        Colors::Ahead => Ok(Some(Looks::of_look_ahead(scene, AHEAD_WEEKS))),
         Colors::Slip => {
             let [from, to] = args.slip.unwrap_or([DateSet::Planned, DateSet::Actual]);
             let looks = Looks::of_differences(scene, from, to);
@@ -230,6 +234,7 @@ pub fn colored(colors: Colors) -> Colored {
         Colors::Own => Colored::Own,
         Colors::Activity => Colored::Activity,
         Colors::Slip => Colored::Slip,
+        Colors::Ahead => Colored::Ahead(AHEAD_WEEKS),
     }
 }
 

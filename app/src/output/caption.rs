@@ -3,8 +3,7 @@
 use egui::epaint::text::{FontDefinitions, Fonts, TextOptions};
 use egui::{Color32, FontId};
 use topout_render::Picture;
-use topout_scene::Scene;
-use topout_scene::slip_color;
+use topout_scene::{Looks, Scene, slip_color};
 use topout_schedule::{Kinds, SlipClass, Time};
 
 /// What a colour means.
@@ -38,6 +37,8 @@ pub enum Colored {
     Activity,
     /// Those of slip.
     Slip,
+    /// Those of what starts within so many weeks.
+    Ahead(u32),
 }
 
 impl Caption {
@@ -69,6 +70,10 @@ impl Caption {
                     count: None,
                 })
                 .into(),
+            Colored::Ahead(weeks) => Looks::legend_of_look_ahead(weeks)
+                .into_iter()
+                .map(|row| LegendEntry { name: row.name, color: row.color, count: None })
+                .collect(),
         };
         Self { title: date_with_weekday(time), line: format!("{week}{work}"), legend }
     }

@@ -21,6 +21,7 @@ const MENUS: [(&str, &[&str]); 6] = [
             "",
             "Save project",
             "Save project as…",
+            "Save schedule as…",
             "",
             "Export…",
             "",
@@ -73,6 +74,7 @@ const MENUS: [(&str, &[&str]); 6] = [
             "Color by slip",
             "Color by storey",
             "Color by type",
+            "Color by look-ahead",
             "Color by level",
             "",
             "Fade between levels",
@@ -243,6 +245,9 @@ pub fn is_enabled(state: &AppState, command: &Command) -> bool {
 fn is_on(state: &AppState, command: &Command) -> bool {
     match command {
         Command::SetMode(mode) => state.mode == *mode,
+        Command::ColorBy(ElementColors::LookAhead(_)) => {
+            matches!(state.colors, ElementColors::LookAhead(_))
+        }
         Command::ColorBy(colors) => state.colors == *colors,
         Command::DrawUnscheduled(shown) => state.visibility.unscheduled == *shown,
         Command::ToggleSkipIdle => state.clock.skip_idle,

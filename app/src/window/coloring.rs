@@ -49,7 +49,8 @@ impl Coloring {
             self.counted = None;
             self.work_out(project, colors, visibility);
         }
-        if colors == ElementColors::Activity && self.counted != Some(time) {
+        let by_date = matches!(colors, ElementColors::Activity | ElementColors::LookAhead(_));
+        if by_date && self.counted != Some(time) {
             self.counted = Some(time);
             self.count(time);
         }
@@ -75,6 +76,11 @@ impl Coloring {
             }
             ElementColors::Storey => category(Category::Storey),
             ElementColors::Type => category(Category::Type),
+            ElementColors::LookAhead(weeks) => {
+                let weeks = u32::from(weeks);
+                let looks = Looks::of_look_ahead(scene, weeks);
+                (Some(Arc::new(looks)), Looks::legend_of_look_ahead(weeks))
+            }
         };
         self.legend = legend;
         self.looks = match (base, visibility.is_default()) {

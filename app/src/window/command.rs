@@ -9,7 +9,7 @@ use super::gantt::Filter;
 use super::navigation::{Mouse, Navigation};
 use super::section::Section;
 use super::selection::Choose;
-use super::shown::ElementColors;
+use super::shown::{ElementColors, WEEKS_AHEAD};
 use super::theme::Scheme;
 use super::timeline::Scale;
 use super::visibility::Shown;
@@ -70,6 +70,8 @@ pub enum Command {
     Load(Request),
     /// Files dropped on the window or chosen in a dialog, of any kind.
     OpenFiles(Vec<PathBuf>),
+    /// Ask for a file and write the schedule to it, as it is now.
+    SaveSchedule,
     /// Write the project file.
     SaveProject,
     /// Ask where to, and write it.
@@ -128,6 +130,8 @@ pub enum Command {
     SetTolerance(f32),
     /// Colour elements by something, or no longer where they are.
     ColorBy(ElementColors),
+    /// Colour what starts within so many weeks.
+    LookAhead(u8),
     /// Colour clusters by their level, or not.
     ToggleLevelColors,
     /// Let levels that follow each other fade into each other, or not.
@@ -351,6 +355,7 @@ pub fn actions() -> Vec<Action> {
         action(C::OpenSchedule, "Open schedule…", Some(S::command_shift(Key::O))),
         action(C::ReloadSchedule, "Reload schedule", Some(S::command(Key::R))),
         action(C::OpenDemo, "Open demo project", Some(S::command(Key::D))),
+        action(C::SaveSchedule, "Save schedule as…", None),
         action(C::SaveProject, "Save project", Some(S::command(Key::S))),
         action(C::SaveProjectAs, "Save project as…", Some(S::command_shift(Key::S))),
         action(C::Toggle(Panel::Export), "Export…", Some(S::command(Key::E))),
@@ -406,6 +411,11 @@ pub fn actions() -> Vec<Action> {
         action(C::ColorBy(ElementColors::Slip), "Color by slip", Some(S::shift(Key::A))),
         action(C::ColorBy(ElementColors::Storey), "Color by storey", None),
         action(C::ColorBy(ElementColors::Type), "Color by type", None),
+        action(
+            C::ColorBy(ElementColors::LookAhead(WEEKS_AHEAD)),
+            "Color by look-ahead",
+            Some(S::alt(Key::A)),
+        ),
         action(C::ToggleLevelColors, "Color by level", Some(S::key(Key::C))),
         action(C::ToggleFade, "Fade between levels", None),
         action(C::ToggleScheme, "Dark or light", Some(S::command(Key::L))),

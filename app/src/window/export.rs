@@ -128,6 +128,7 @@ impl AppState {
             colored: match self.colors {
                 ElementColors::Activity => Colored::Activity,
                 ElementColors::Slip => Colored::Slip,
+                ElementColors::LookAhead(weeks) => Colored::Ahead(weeks.into()),
                 _ => Colored::Own,
             },
             wanted,

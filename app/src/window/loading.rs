@@ -4,16 +4,18 @@ use super::calendar::Calendar;
 use super::gantt::Plan;
 use super::reload::Edit;
 use crate::bench::export::Format;
+use crate::output::film::write_whole;
 use crate::project::{self, Request};
 use crate::report::write_file;
-use std::path::PathBuf;
+use anyhow::Context as _;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{self, TryRecvError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant, SystemTime};
 use topout_scene::pick::Picker;
 use topout_scene::{Aabb, Looks, Progress, Scene};
-use topout_schedule::{DateSet, Network, SCurve};
+use topout_schedule::{DateSet, Network, SCurve, Schedule};
 
 /// Called by a worker when it has something to show.
 pub type Wake = Arc<dyn Fn() + Send + Sync>;
@@ -312,6 +314,10 @@ const NO_SAVE_DIALOG: &str = "This system offers no file dialog: neither a deskt
     (xdg-desktop-portal) nor zenity answers. Install one of them, copy the table, or measure on the \
     command line: topout bench MODEL --schedule FILE --csv FILE --markdown FILE";
 
+/// The same where a schedule was to be saved.
+const NO_SCHEDULE_DIALOG: &str = "This system offers no file dialog: neither a desktop portal \
+    (xdg-desktop-portal) nor zenity answers. Install one of them to save the schedule.";
+
 /// The same where the project was to be saved.
 const NO_PROJECT_DIALOG: &str = "This system offers no file dialog: neither a desktop portal \
     (xdg-desktop-portal) nor zenity answers. Install one of them; File > Save project writes beside \
@@ -357,6 +363,41 @@ pub fn place_project(name: &str, wake: Wake) -> std::io::Result<Job<Answer>> {
         Some(file) => Answer::Project(file.path().with_extension("topout")),
         None => no_file(asked, NO_PROJECT_DIALOG),
     })
+}
+
+/// Asks for a file and writes the schedule of a scene to it, by its ending as CSV or JSON.
+///
+/// # Errors
+/// When the system has no thread to give.
+pub fn save_schedule(scene: Arc<Scene>, wake: Wake) -> std::io::Result<Job<Answer>> {
+    let asked = Instant::now();
+    let chosen = rfd::AsyncFileDialog::new()
+        .set_title("Save schedule")
+        .add_filter("topout JSON", &["json"])
+        .add_filter("CSV", &["csv"])
+        .set_file_name("schedule.json")
+        .save_file();
+    Job::spawn("topout-dialog", wake, move |_| match pollster::block_on(chosen) {
+        Some(file) => Answer::Saved(write_schedule(&scene.schedule, file.path())),
+        None => no_file(asked, NO_SCHEDULE_DIALOG),
+    })
+}
+
+/// Writes a schedule, by the file's ending as CSV or JSON (which is added where there is none).
+///
+/// # Errors
+/// With the file's name.
+pub fn write_schedule(schedule: &Schedule, path: &Path) -> anyhow::Result<PathBuf> {
+    let path = match path.extension() {
+        Some(_) => path.to_owned(),
+        None => path.with_extension("json"),
+    };
+    let csv = path.extension().is_some_and(|e| e.eq_ignore_ascii_case("csv"));
+    let mut bytes = Vec::new();
+    let made = if csv { schedule.write_csv(&mut bytes) } else { schedule.write_json(&mut bytes) };
+    made.with_context(|| format!("cannot write {}", path.display()))?;
+    write_whole(&path, &bytes)?;
+    Ok(path)
 }
 
 /// Asks for a file and writes a table's text to it, without stopping the window.

@@ -50,6 +50,7 @@ pub use compare::{Against, Half};
 pub use export::{Export, Product};
 pub use frames::FrameLog;
 pub use gantt::{Filter, Gantt, Plan};
+pub use loading::write_schedule;
 pub use navigation::{Mouse, Navigation};
 pub use section::{Section, SectionBox, SectionPlane};
 pub use selection::{Choose, Selected};

@@ -4,12 +4,13 @@ use super::command::{Command, Panel, keys_of};
 use super::cube;
 use super::loading::Job;
 use super::modes;
+use super::shown::ElementColors;
 use super::state::{AppState, Tree};
 use super::theme::{SMALL, palette};
 use super::visibility::Shown;
 use egui::{Align2, Frame, Margin, Rect, RichText, Ui};
 use topout_render::{DrawMode, FrameStats};
-use topout_scene::{Hdlod, NamedView};
+use topout_scene::{Hdlod, MOST_WEEKS, NamedView};
 
 /// `53 k`, `3.6 M`: at most three figures.
 pub fn short_count(count: u64) -> String {
@@ -84,6 +85,17 @@ fn legend(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         if rows.len() > LEGEND_ROWS {
             let more = format!("… and {} more", rows.len() - LEGEND_ROWS);
             ui.label(RichText::new(more).size(SMALL).color(palette(ui).weak));
+        }
+        if let ElementColors::LookAhead(weeks) = state.colors {
+            ui.horizontal(|ui| {
+                let label = ui.label(RichText::new("Weeks ahead").size(SMALL));
+                let mut wanted = weeks;
+                let drag =
+                    egui::DragValue::new(&mut wanted).range(1..=MOST_WEEKS as u8).speed(0.05);
+                if ui.add(drag).labelled_by(label.id).changed() {
+                    commands.push(Command::LookAhead(wanted));
+                }
+            });
         }
         if not_whole > 0 || unscheduled {
             ui.horizontal(|ui| {

@@ -58,6 +58,9 @@ impl Default for Panels {
     }
 }
 
+/// Weeks that a look-ahead shows at first.
+pub const WEEKS_AHEAD: u8 = 4;
+
 /// Which colours elements have.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, serde::Serialize, serde::Deserialize)]
 pub enum ElementColors {
@@ -71,4 +74,6 @@ pub enum ElementColors {
     Storey,
     /// Their types.
     Type,
+    /// What starts within so many weeks.
+    LookAhead(u8),
 }

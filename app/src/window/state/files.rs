@@ -1,7 +1,7 @@
 //! Files that the window opens and saves, on threads of their own.
 
 use super::super::compare::Against;
-use super::super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, ask, save};
+use super::super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, ask, save, save_schedule};
 use super::super::project_file::{self, EXTENSION};
 use super::AppState;
 use crate::bench::export::Format;
@@ -54,6 +54,13 @@ impl AppState {
         match export.text(format) {
             Ok(text) => self.take_dialog(save(format, text, Arc::clone(&self.wake))),
             Err(error) => self.error = Some(describe(&error)),
+        }
+    }
+
+    pub(super) fn save_schedule(&mut self) {
+        if let Some(project) = self.project.as_ref().filter(|_| self.dialog.is_none()) {
+            let scene = Arc::clone(&project.scene);
+            self.take_dialog(save_schedule(scene, Arc::clone(&self.wake)));
         }
     }
 

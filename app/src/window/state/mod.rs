@@ -24,7 +24,7 @@ use super::reload::{Refining, TreeChange};
 use super::section::Section;
 use super::selection::Selected;
 use super::settings::{Recent, remember};
-use super::shown::{ElementColors, Panels};
+use super::shown::{ElementColors, Panels, WEEKS_AHEAD};
 use super::table::Table;
 use super::theme::Scheme;
 use super::timeline::Scale;
@@ -39,7 +39,7 @@ use std::sync::Arc;
 use std::thread::JoinHandle;
 use topout_render::{DrawMode, Sun};
 use topout_scene::cache::Cache;
-use topout_scene::{Cancelled, Hdlod, NamedView, Scene, hdlod};
+use topout_scene::{Cancelled, Hdlod, MOST_WEEKS, NamedView, Scene, hdlod};
 use topout_schedule::{Time, TimeRange};
 
 /// Tolerances that can be set, physical pixels.
@@ -292,6 +292,7 @@ impl AppState {
             Command::OpenDemo => self.load(Request::demo()),
             Command::Load(request) => self.load(request),
             Command::OpenFiles(paths) => self.open_files(paths),
+            Command::SaveSchedule => self.save_schedule(),
             Command::SaveProject => self.save_project(),
             Command::SaveProjectAs => {
                 if self.dialog.is_none() {
@@ -350,8 +351,15 @@ impl AppState {
                 }
             }
             Command::ColorBy(wanted) => {
-                let off = self.colors == wanted;
+                // Other weeks are no other colours.
+                let menu = ElementColors::LookAhead(WEEKS_AHEAD);
+                let ahead = matches!(self.colors, ElementColors::LookAhead(_));
+                let off = self.colors == wanted || (ahead && wanted == menu);
                 self.colors = if off { ElementColors::Own } else { wanted };
+            }
+            Command::LookAhead(weeks) => {
+                let weeks = weeks.clamp(1, MOST_WEEKS as u8);
+                self.colors = ElementColors::LookAhead(weeks);
             }
             Command::ToggleLevelColors => self.level_colors = !self.level_colors,
             Command::ToggleFade => self.fade = !self.fade,
