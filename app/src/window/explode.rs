@@ -35,10 +35,17 @@ struct Made {
 
 struct Before {
     model: Arc<Model>,
-    /// What is shown again if nothing but places was changed: that and its tree, and what it became.
-    whole: Option<(Arc<Project>, Option<Arc<Hdlod>>, Arc<Project>)>,
-    /// Where that tree came from.
+    /// What is shown again if nothing but places was changed.
+    whole: Option<Whole>,
+}
+
+struct Whole {
+    project: Arc<Project>,
+    tree: Option<Arc<Hdlod>>,
+    /// Where that came from.
     origin: Option<&'static str>,
+    /// What it became.
+    now: Arc<Project>,
 }
 
 impl Explosion {
@@ -134,40 +141,33 @@ impl AppState {
     }
 
     fn take_places(&mut self, Made { of, project, gap }: Made) {
-        let tree = self.ready_tree().cloned();
-        let before = self.explosion.before.get_or_insert_with(|| Before {
-            model: Arc::clone(&of.scene.model),
-            whole: Some((Arc::clone(&of), tree, Arc::clone(&of))),
-            origin: self.tree_origin,
+        let (tree, origin) = (self.ready_tree().cloned(), self.tree_origin);
+        let mut before = self.explosion.before.take().unwrap_or_else(|| {
+            let (project, now) = (Arc::clone(&of), Arc::clone(&of));
+            let whole = Some(Whole { project, tree, origin, now });
+            Before { model: Arc::clone(&of.scene.model), whole }
         });
         // Apart by another distance it is still what it was.
-        before.whole = before.whole.take().filter(|(.., now)| Arc::ptr_eq(now, &of));
-        let whole = before.whole.take();
+        let whole = before.whole.take().filter(|whole| Arc::ptr_eq(&whole.now, &of));
         self.explosion.shown = gap;
         self.refining = None;
         self.stop_comparing();
         self.frames.clear();
         self.table.reset();
         if gap > 0.0 {
-            if let Some(before) = &mut self.explosion.before {
-                before.whole = whole.map(|(whole, tree, _)| (whole, tree, Arc::clone(&project)));
-            }
+            before.whole = whole.map(|whole| Whole { now: Arc::clone(&project), ..whole });
+            self.explosion.before = Some(before);
             self.project = Some(project);
             return self.build_tree();
         }
-        let origin = self.explosion.before.take().and_then(|before| before.origin);
         match whole {
-            Some((whole, Some(tree), _)) => {
-                self.project = Some(whole);
+            Some(Whole { project, tree: Some(tree), origin, .. }) => {
+                self.project = Some(project);
                 self.tree = Tree::Ready(tree);
                 self.tree_origin = origin;
             }
-            Some((whole, None, _)) => {
-                self.project = Some(whole);
-                self.build_tree();
-            }
-            None => {
-                self.project = Some(project);
+            whole => {
+                self.project = Some(whole.map_or(project, |whole| whole.project));
                 self.build_tree();
             }
         }

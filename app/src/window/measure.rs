@@ -74,6 +74,7 @@ pub fn snapped(
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
     use topout_scene::{Aabb, NamedView};
 

@@ -83,6 +83,7 @@ fn nearest_along(at: Vec3, along: Vec3, eye: Vec3, ray: Vec3) -> Option<f32> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::super::SectionBox;
     use super::*;
     use topout_scene::{Aabb, NamedView};
