@@ -3,6 +3,7 @@
 use super::browser::Browse;
 use super::camera::Camera;
 use super::clock::{Speed, Step};
+use super::closing::Close;
 use super::export::Export;
 use super::gantt::Filter;
 use super::navigation::{Mouse, Navigation};
@@ -81,6 +82,8 @@ pub enum Command {
     DismissError,
     /// Close the window.
     Quit,
+    /// What becomes of changes before the window closes.
+    AnswerClose(Close),
 
     /// Play or pause.
     TogglePlay,

@@ -6,9 +6,10 @@ use super::navigation::Mouse;
 use super::shown::{ElementColors, Panels};
 use super::state::AppState;
 use super::theme::Scheme;
-use crate::project::{Request, Source};
+use crate::project::{Request, Source, column_text, parse_column};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use topout_schedule::DateSet;
 
 /// Where eframe keeps them among what it keeps itself: the window's place and the widths of columns and panels.
 pub const KEY: &str = "topout";
@@ -29,6 +30,12 @@ pub struct Recent {
     date_format: Option<String>,
     #[serde(default)]
     encoding: Option<String>,
+    #[serde(default)]
+    columns: Vec<String>,
+    #[serde(default)]
+    kind_field: Option<String>,
+    #[serde(default)]
+    dates: Option<String>,
 }
 
 impl Recent {
@@ -50,6 +57,9 @@ impl Recent {
             paths: request.paths.iter().map(whole).collect(),
             date_format: request.date_format.clone(),
             encoding: request.encoding.clone(),
+            columns: request.columns.iter().map(column_text).collect(),
+            kind_field: request.kind_field.clone(),
+            dates: request.dates.map(|set| set.word().to_owned()),
         })
     }
 
@@ -62,7 +72,9 @@ impl Recent {
             paths: self.paths.clone(),
             date_format: self.date_format.clone(),
             encoding: self.encoding.clone(),
-            ..Request::default()
+            columns: self.columns.iter().filter_map(|text| parse_column(text).ok()).collect(),
+            kind_field: self.kind_field.clone(),
+            dates: self.dates.as_deref().and_then(DateSet::from_word),
         }
     }
 

@@ -6,6 +6,7 @@
 use super::camera::Camera;
 use super::command::{Command, actions};
 use super::navigation::{Drag, Navigation};
+use super::raster::Raster;
 use super::selection::Choose;
 use super::state::{AppState, Tree};
 use super::theme::palette;
@@ -103,23 +104,20 @@ impl Viewport {
 
     /// Fills what is left of `ui` with the picture; returns the place that it takes.
     pub fn show(&mut self, ui: &mut Ui, state: &mut AppState) -> Rect {
+        let largest = self.window.device.limits().max_texture_dimension_2d;
         let pixels_per_point = ui.ctx().pixels_per_point();
-        let place = ui.available_rect_before_wrap();
+        let raster = Raster::new(ui.available_rect_before_wrap(), pixels_per_point, largest);
+        let place = raster.place;
         let response = ui
             .allocate_rect(place, Sense::click_and_drag())
             .on_hover_cursor(egui::CursorIcon::Default);
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "3D view"));
-        let size = (place.size() * pixels_per_point).round();
-        state.set_picture(UVec2::new(size.x.max(1.0) as u32, size.y.max(1.0) as u32));
+        state.set_picture(raster.size);
         if state.project.is_none() {
             ui.painter().rect_filled(place, 0.0, palette(ui).well);
             return place;
         }
-        let pixel = |p: Pos2| {
-            let p = (p - place.min) * pixels_per_point;
-            Vec2::new(p.x, p.y)
-        };
-        for command in self.gestures(ui, &response, state, &pixel) {
+        for command in self.gestures(ui, &response, state, &raster) {
             state.apply(command);
         }
         let errors = [self.take_over(state), self.take_looks(state)];
@@ -132,7 +130,7 @@ impl Viewport {
             let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
             ui.painter().image(texture, place, whole, Color32::WHITE);
         }
-        self.paint_marks(ui, place, state);
+        self.paint_marks(ui, &raster, state);
         place
     }
 
@@ -141,8 +139,9 @@ impl Viewport {
         ui: &Ui,
         response: &egui::Response,
         state: &AppState,
-        pixel: &dyn Fn(Pos2) -> Vec2,
+        raster: &Raster,
     ) -> Vec<Command> {
+        let pixel = |point| raster.pixel(point);
         let mut commands = Vec::new();
         let (origin, now, modifiers) =
             ui.input(|i| (i.pointer.press_origin(), i.pointer.latest_pos(), i.modifiers));
@@ -169,7 +168,7 @@ impl Viewport {
         }
         if let (Some(gesture), true, Some(now)) = (self.gesture, response.dragged(), now) {
             let turn = std::f32::consts::PI / state.picture.y as f32;
-            let turned = response.drag_delta() * ui.ctx().pixels_per_point() * turn;
+            let turned = response.drag_delta() * raster.per_point * turn;
             let camera = match gesture.kind {
                 Drag::Orbit => state.camera.orbit(gesture.point, -turned.x, turned.y),
                 Drag::Look => state.camera.orbit(state.camera.eye, -turned.x, turned.y),
@@ -370,10 +369,9 @@ impl Viewport {
     }
 
     /// The box of a selected element that is not there, and the pivot while turning.
-    fn paint_marks(&self, ui: &Ui, place: Rect, state: &AppState) {
-        let painter = ui.painter().with_clip_rect(place);
-        let pixels_per_point = ui.ctx().pixels_per_point();
-        let position = |p: Vec2| place.min + egui::vec2(p.x, p.y) / pixels_per_point;
+    fn paint_marks(&self, ui: &Ui, raster: &Raster, state: &AppState) {
+        let painter = ui.painter().with_clip_rect(raster.place);
+        let position = |pixel: Vec2| raster.point(pixel);
         if let (Some(project), Some(element)) = (&state.project, state.selected.only())
             && !(project.scene.behaviour(element).at(state.time())
                 && state.shown(element) != Shown::Hidden)

@@ -8,6 +8,7 @@ use super::browser::Browser;
 use super::calendar::Calendar;
 use super::camera::Camera;
 use super::clock::{Clock, Run};
+use super::closing::Closing;
 use super::coloring::Coloring;
 use super::command::{Command, Panel};
 use super::export::{Export, Exporting, browse};
@@ -106,6 +107,8 @@ pub struct AppState {
     dialog: Option<Job<Answer>>,
     /// Where the shown project is saved.
     pub project_file: Option<PathBuf>,
+    /// What that file has, and what is asked before the window closes.
+    pub closing: Closing,
     /// How what is being loaded was looked at.
     pub(super) saved: Option<Saved>,
     /// Projects that were open, the last one first.
@@ -194,6 +197,7 @@ impl AppState {
             watching: None,
             dialog: None,
             project_file: None,
+            closing: Closing::default(),
             saved: None,
             recent: Vec::new(),
             export: Export::default(),
@@ -282,6 +286,7 @@ impl AppState {
             Command::Report(error) => self.error = Some(error),
             Command::DismissError => self.error = None,
             Command::Quit => self.effects.push(Effect::Close),
+            Command::AnswerClose(answer) => self.answer_close(answer),
 
             Command::TogglePlay => self.clock.toggle(),
             Command::PlayForward => self.clock.play(Run::Forward, true),
@@ -552,6 +557,8 @@ impl AppState {
     }
 
     fn show(&mut self, project: Project) {
+        // What was shown is left without a question.
+        self.keep_unsaved();
         let same_models =
             self.project.as_ref().is_some_and(|p| p.request.models == project.request.models);
         let project = Arc::new(project);
@@ -565,6 +572,7 @@ impl AppState {
             self.history = History::default();
             self.trail = Trail::default();
             self.project_file = None;
+            self.closing.kept = None;
             self.viewpoints.clear();
         }
         self.gantt = Gantt::of(&project);
