@@ -3,6 +3,7 @@
 //! Data flows one way: input -> panels(&[`AppState`]) -> [`Command`]s -> [`AppState::apply`] ->
 //! the 3D view. Panels never change anything themselves.
 
+mod about;
 mod browser;
 mod calendar;
 mod camera;
@@ -18,6 +19,7 @@ mod finder;
 mod frames;
 mod gantt;
 mod graph;
+mod hint;
 mod history;
 mod inspector;
 mod loading;
@@ -49,6 +51,7 @@ pub use device::Left;
 pub use export::{Export, Product};
 pub use frames::FrameLog;
 pub use gantt::{Filter, Gantt, Plan};
+pub use hint::Hint;
 pub use navigation::{Mouse, Navigation};
 pub use recovery::Recovery;
 pub use selection::{Choose, Selected};
@@ -223,6 +226,7 @@ impl Window {
         let woken = Arc::clone(&wake);
         let faults = Faults::watch(&opened.device, move || woken());
         state.wake = wake;
+        state.adapter = Some(opened.adapter.get_info());
         Ok(Self {
             state,
             viewport: Viewport::new(opened),
@@ -335,7 +339,11 @@ impl eframe::App for Window {
         let seconds = ctx.input(|i| i.stable_dt.min(LONGEST_STEP));
         self.state.advance(f64::from(seconds));
         self.state.refresh();
-        let mut commands = command::from_keys(&ctx, self.state.navigation);
+        // A question is answered before anything else, also by Escape.
+        let mut commands = match self.state.closing.question {
+            Question::Asked => Vec::new(),
+            _ => command::from_keys(&ctx, self.state.navigation),
+        };
         let moving = self.steer(&ctx, seconds);
         let dropped = dropped_files(&ctx);
         if !dropped.is_empty() {
@@ -437,6 +445,7 @@ fn panels(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     }
     chrome::diagnostics(ui.ctx(), state, commands);
     chrome::shortcuts(ui.ctx(), state, commands);
+    about::show(ui.ctx(), state, commands);
     table::show(ui.ctx(), state, commands);
     viewpoints::show(ui.ctx(), state, commands);
     export::show(ui.ctx(), state, commands);

@@ -283,7 +283,11 @@ impl AppState {
         // The folder of a bare file name is the one that the program runs in.
         let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let folder = whole.parent().unwrap_or(Path::new("")).to_owned();
-        let relative = |path: &PathBuf| portable(relative(path, &folder));
+        // What is recovered stands nowhere near its files.
+        let relative = |path: &PathBuf| match recovers {
+            Some(_) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
+            None => portable(relative(path, &folder)),
+        };
         let request = &project.request;
         let now = Viewpoint {
             name: String::new(),

@@ -173,3 +173,195 @@ impl AppState {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::window::{Choose, Close, Command, ElementColors, Question, Shown};
+    use std::sync::Arc;
+    use topout_scene::{Element, ElementId, Model, Scene, link};
+    use topout_schedule::{Activity, Column, DateSet, Schedule, Time};
+
+    fn time(text: &str) -> Time {
+        Time::parse_iso(text).unwrap()
+    }
+
+    fn scene() -> Arc<Scene> {
+        let element = |name: &str| Element { name: name.to_owned(), ..Element::default() };
+        let elements = ["a", "b", "c"].map(element).to_vec();
+        let (start, end) = (Some(time("2026-03-01")), Some(time("2026-09-01")));
+        let activity = Activity { id: "A".to_owned(), start, end, ..Activity::default() };
+        let schedule = Schedule::new(String::new(), None, vec![activity], Default::default());
+        Arc::new(link::link(Model { elements, ..Model::default() }, schedule))
+    }
+
+    fn request(folder: &Path) -> Request {
+        Request {
+            models: vec![Source::File(folder.join("a.glb"))],
+            schedules: vec![folder.join("plan.csv")],
+            columns: vec![("Begin".to_owned(), Column::Start)],
+            dates: Some(DateSet::Baseline),
+            ..Request::default()
+        }
+    }
+
+    /// A window that shows a request as it was left, as loading does.
+    fn opened(folder: &Path, request: &Request) -> AppState {
+        let mut state = AppState::new(Arc::new(|| ()));
+        state.closing.recovery = Some(Recovery::new(folder.join("recovery")));
+        state.saved = state.closing.recovery.as_ref().unwrap().find(request);
+        state.show_scene(request.clone(), scene());
+        state
+    }
+
+    /// The same of a project file.
+    fn opened_file(folder: &Path, file: &Path) -> AppState {
+        let mut state = AppState::new(Arc::new(|| ()));
+        let recovery = Recovery::new(folder.join("recovery"));
+        let (request, saved) = project_file::read(file).unwrap();
+        let later = recovery.find_named(file, &request, &saved);
+        let (request, saved) = later.unwrap_or((request, saved));
+        state.saved = Some(saved);
+        state.closing.recovery = Some(recovery);
+        state.show_scene(request, scene());
+        state
+    }
+
+    fn hide(state: &mut AppState, element: u32) {
+        state.apply(Command::Choose(Choose::Only, vec![ElementId(element)]));
+        state.apply(Command::DrawSelection(Shown::Hidden));
+    }
+
+    #[test]
+    fn what_was_never_saved_comes_back_silently() {
+        let folder = tempfile::tempdir().unwrap();
+        let request = request(folder.path());
+        let mut left = opened(folder.path(), &request);
+        hide(&mut left, 1);
+        left.apply(Command::JumpTo(time("2026-05-06T07:00")));
+        left.apply(Command::ColorBy(ElementColors::Type));
+        left.apply(Command::ToggleParallel);
+        left.apply(Command::SaveViewpoint);
+        assert!(!left.is_unsaved() && left.may_close(), "nobody is asked");
+        let file = left.keep_unsaved().unwrap();
+        let stamp = || std::fs::metadata(&file).unwrap().modified().unwrap();
+        let written = stamp();
+        assert_eq!(left.keep_unsaved().unwrap(), file);
+        assert_eq!(stamp(), written, "the same is not written again");
+
+        let came = opened(folder.path(), &request);
+        assert_eq!((came.camera, came.time()), (left.camera, left.time()));
+        assert_eq!((came.colors, came.viewpoints.len()), (left.colors, 1));
+        assert_eq!(came.shown(ElementId(1)), Shown::Hidden);
+        assert_eq!((came.project_file.clone(), came.news.clone()), (None, None));
+        assert!(!came.is_unsaved());
+
+        // Another schedule makes another project.
+        let other = Request { schedules: Vec::new(), ..request };
+        assert_eq!(opened(folder.path(), &other).viewpoints.len(), 0);
+    }
+
+    #[test]
+    fn changes_to_a_file_are_asked_about_and_come_back_after_a_crash() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("a.topout");
+        let mut first = opened(folder.path(), &request(folder.path()));
+        first.apply(Command::SaveProject);
+        assert_eq!((first.error.clone(), first.title()), (None, "a.topout – topout".to_owned()));
+
+        // Where one looks from is kept without a question.
+        first.apply(Command::JumpTo(time("2026-04-05")));
+        first.apply(Command::ColorBy(ElementColors::Storey));
+        assert!(!first.is_unsaved());
+        first.keep_unsaved().unwrap();
+        let mut again = opened_file(folder.path(), &file);
+        assert_eq!((again.time(), again.colors), (time("2026-04-05"), ElementColors::Storey));
+        assert_eq!((again.is_unsaved(), again.news.clone()), (false, None));
+        let request = &again.project.as_ref().unwrap().request;
+        assert_eq!(request.columns, [("Begin".to_owned(), Column::Start)]);
+        assert_eq!(request.dates, Some(DateSet::Baseline));
+
+        // What was made is a change until it is saved or taken back.
+        hide(&mut again, 2);
+        assert!(again.is_unsaved() && again.title().starts_with('●'));
+        again.apply(Command::Undo);
+        assert!(!again.is_unsaved());
+        again.apply(Command::Redo);
+        assert!(!again.may_close());
+        assert_eq!(again.closing.question, Question::Asked);
+        again.apply(Command::AnswerClose(Close::Cancel));
+        assert_eq!((again.closing.question, again.effects.len()), (Question::None, 0));
+        again.keep_unsaved().unwrap();
+        drop(again);
+        let mut after = opened_file(folder.path(), &file);
+        assert!(after.is_unsaved() && after.news.as_ref().unwrap().contains("not saved"));
+        assert_eq!(after.shown(ElementId(2)), Shown::Hidden);
+        assert!(!after.may_close());
+        after.apply(Command::AnswerClose(Close::Save));
+        assert!(after.may_close() && !after.is_unsaved());
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert!(text.contains("\"c\"") && text.contains("start=Begin"), "{text}");
+        assert!(!text.contains("recovers"));
+
+        // What is discarded stays away, and a file that somebody else changed is right.
+        let mut away = opened_file(folder.path(), &file);
+        hide(&mut away, 0);
+        away.keep_unsaved().unwrap();
+        let theirs = text.replace("\"c\"", "\"b\"");
+        std::fs::write(&file, &theirs).unwrap();
+        let newer = opened_file(folder.path(), &file);
+        let shown = [0, 1, 2].map(|i| newer.shown(ElementId(i)));
+        assert_eq!(shown, [Shown::Whole, Shown::Hidden, Shown::Whole]);
+        std::fs::write(&file, &text).unwrap();
+        assert!(!away.may_close());
+        away.apply(Command::AnswerClose(Close::Discard));
+        assert!(away.may_close() && away.keep_unsaved().is_none());
+        let came = opened_file(folder.path(), &file);
+        assert_eq!((came.shown(ElementId(0)), came.is_unsaved()), (Shown::Whole, false));
+        assert_eq!(std::fs::read_to_string(&file).unwrap(), text);
+    }
+
+    #[test]
+    fn what_cannot_be_read_or_written_stops_nothing_and_old_files_go() {
+        let folder = tempfile::tempdir().unwrap();
+        let request = request(folder.path());
+        let mut left = opened(folder.path(), &request);
+        let file = left.keep_unsaved().unwrap();
+        std::fs::write(&file, "{").unwrap();
+        let came = opened(folder.path(), &request);
+        assert_eq!((came.error.clone(), came.viewpoints.len()), (None, 0));
+
+        std::fs::write(folder.path().join("no-folder"), "").unwrap();
+        left.closing.recovery = Some(Recovery::new(folder.path().join("no-folder")));
+        assert_eq!(left.keep_unsaved(), None);
+
+        let many = folder.path().join("many");
+        std::fs::create_dir(&many).unwrap();
+        for i in 0..KEPT + 20 {
+            std::fs::write(many.join(format!("{i}.topout")), "").unwrap();
+        }
+        left.closing.recovery = Some(Recovery::new(many.clone()));
+        let kept = left.keep_unsaved().unwrap();
+        assert_eq!(std::fs::read_dir(many).unwrap().count(), KEPT);
+        assert!(kept.exists(), "the latest stays");
+    }
+
+    #[test]
+    fn a_recovery_file_can_be_opened_by_its_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut left = opened(folder.path(), &request(folder.path()));
+        let file = left.keep_unsaved().unwrap();
+        let (again, saved) = project_file::read(&file).unwrap();
+        assert_eq!(
+            (again.models, saved.named),
+            (left.project.as_ref().unwrap().request.models.clone(), None)
+        );
+        left.apply(Command::SaveProject);
+        hide(&mut left, 0);
+        let file = left.keep_unsaved().unwrap();
+        let (_, saved) = project_file::read(&file).unwrap();
+        assert_eq!(saved.named.unwrap().file, folder.path().join("a.topout"));
+        assert!(saved.unsaved);
+    }
+}

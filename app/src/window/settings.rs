@@ -2,6 +2,7 @@
 
 use super::clock::Speed;
 use super::command::Command;
+use super::hint::Hint;
 use super::navigation::Mouse;
 use super::shown::{ElementColors, Panels};
 use super::state::AppState;
@@ -101,6 +102,7 @@ pub struct Settings {
     colors: Option<ElementColors>,
     tolerance_px: Option<f32>,
     recent: Vec<Recent>,
+    hint_seen: bool,
 }
 
 impl Settings {
@@ -113,6 +115,7 @@ impl Settings {
             diagnostics: false,
             table: false,
             shortcuts: false,
+            about: false,
             ..state.panels
         };
         Self {
@@ -124,6 +127,7 @@ impl Settings {
             colors: Some(state.colors),
             tolerance_px: Some(state.tolerance_px),
             recent: state.recent.clone(),
+            hint_seen: state.hint.seen,
         }
     }
 
@@ -137,6 +141,7 @@ impl Settings {
         state.colors = self.colors.unwrap_or(state.colors);
         state.apply(Command::SetTolerance(self.tolerance_px.unwrap_or(state.tolerance_px)));
         state.recent = self.recent;
+        state.hint = Hint { open: !self.hint_seen, seen: self.hint_seen };
     }
 
     /// From what was kept; as in a first start where that cannot be read.

@@ -14,6 +14,7 @@ use super::command::{Command, Panel};
 use super::export::{Export, Exporting, browse};
 use super::frames::FrameLog;
 use super::gantt::Gantt;
+use super::hint::Hint;
 use super::history::History;
 use super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, Stamp, Wake, place_project};
 use super::navigation::{Mouse, Navigation};
@@ -172,6 +173,10 @@ pub struct AppState {
     pub frames: FrameLog,
     /// Which panels are unfolded.
     pub panels: Panels,
+    /// What can be done first.
+    pub hint: Hint,
+    /// What draws; none without a window.
+    pub adapter: Option<wgpu::AdapterInfo>,
     /// Dark or light.
     pub scheme: Scheme,
     /// The paper's table.
@@ -228,6 +233,8 @@ impl AppState {
             selected: Selected::default(),
             frames: FrameLog::default(),
             panels: Panels::default(),
+            hint: Hint::default(),
+            adapter: None,
             scheme: Scheme::default(),
             table: Table::default(),
             effects: Vec::new(),
@@ -265,6 +272,7 @@ impl AppState {
 
     /// Carries out one command.
     pub fn apply(&mut self, command: Command) {
+        self.hint.heed(&command);
         match command {
             Command::OpenModel => self.ask(Ask::Models),
             Command::OpenSchedule => self.ask(Ask::Schedules),
@@ -286,6 +294,8 @@ impl AppState {
             Command::Report(error) => self.error = Some(error),
             Command::DismissError => self.error = None,
             Command::Quit => self.effects.push(Effect::Close),
+            Command::ShowHint => self.hint.show(),
+            Command::CloseHint => self.hint.close(),
             Command::AnswerClose(answer) => self.answer_close(answer),
 
             Command::TogglePlay => self.clock.toggle(),
@@ -646,6 +656,7 @@ impl AppState {
             Panel::Diagnostics => &mut self.panels.diagnostics,
             Panel::Table => &mut self.panels.table,
             Panel::Shortcuts => &mut self.panels.shortcuts,
+            Panel::About => &mut self.panels.about,
         }
     }
 
