@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod cli;
+pub mod estimate;
 pub mod flip;
 pub mod ideal;
 pub mod memory;

@@ -102,6 +102,24 @@ impl Request {
     }
 }
 
+/// What a column of CSV schedules means, written MEANING=HEADING on the command line and in project files.
+///
+/// # Errors
+/// What is wrong with it, in words.
+pub fn parse_column(text: &str) -> Result<(String, Column), String> {
+    let (word, heading) =
+        text.split_once('=').ok_or_else(|| format!("{text:?}: write MEANING=HEADING"))?;
+    let meaning = Column::from_word(word.trim()).ok_or_else(|| {
+        format!("{word:?} is no meaning of a column; there are {}", Column::WORDS.join(", "))
+    })?;
+    Ok((heading.trim().to_owned(), meaning))
+}
+
+/// As [`parse_column`] reads it.
+pub fn column_text((heading, meaning): &(String, Column)) -> String {
+    format!("{}={heading}", meaning.word())
+}
+
 /// Reads everything and links it.
 ///
 /// # Errors
@@ -291,6 +309,20 @@ mod tests {
         assert_eq!(finding.count, 2);
         assert!(finding.examples[1].contains("no/such/plan.json"), "{:?}", finding.examples);
         assert!(scene.diagnostics.has_errors());
+    }
+
+    #[test]
+    fn meanings_of_columns_are_read_as_they_are_written() {
+        let words = Column::WORDS.into_iter().chain(["ignored"]);
+        for word in words {
+            let text = format!("{word}=Begin = planned");
+            let column = parse_column(&text).unwrap();
+            assert_eq!(column.0, "Begin = planned");
+            assert_eq!(column_text(&column), text);
+        }
+        for (text, told) in [("Begin", "MEANING=HEADING"), ("soon=Begin", "soon")] {
+            assert!(parse_column(text).unwrap_err().contains(told));
+        }
     }
 
     #[test]

@@ -7,6 +7,7 @@
 mod cull;
 mod draw_list;
 mod fade;
+mod faults;
 mod frame;
 mod gpu;
 mod input;
@@ -22,6 +23,7 @@ mod sun;
 mod targets;
 mod timing;
 
+pub use faults::{Fault, Faults};
 pub use gpu::{Gpu, GpuError, device_descriptor, instance_descriptor};
 pub use input::{Antialias, Backdrop, DrawMode, FrameInput, FrameStats, Occlusion, Options};
 pub use readback::Picture;

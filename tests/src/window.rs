@@ -8,7 +8,7 @@ use egui_kittest::kittest::Queryable;
 use std::sync::{Arc, OnceLock};
 use std::time::Duration;
 use topout::project::Request;
-use topout::window::{AppState, Command, Window};
+use topout::window::{AppState, Command, Left, Window};
 use topout_scene::demo::{DemoSettings, generate};
 use topout_scene::{Progress, Scene, link};
 use topout_schedule::Time;
@@ -42,6 +42,17 @@ pub fn setup() -> egui_wgpu::WgpuSetup {
 
 /// Nothing loaded.
 pub fn empty() -> Harness<'static, Window> {
+    made_by(|context| Window::new(context, None).unwrap())
+}
+
+/// What a window left whose device was lost.
+pub fn again(left: Left) -> Harness<'static, Window> {
+    made_by(|context| Window::again(context, left).unwrap())
+}
+
+fn made_by(
+    make: impl FnOnce(&mut eframe::CreationContext<'_>) -> Window,
+) -> Harness<'static, Window> {
     Harness::builder()
         .with_size([900.0, 600.0])
         .with_theme(egui::Theme::Dark)
@@ -49,7 +60,7 @@ pub fn empty() -> Harness<'static, Window> {
         .with_step_dt(0.1)
         .with_max_steps(12)
         .wgpu_setup(setup())
-        .build_eframe(|context| Window::new(context, None).unwrap())
+        .build_eframe(|context| make(context))
 }
 
 /// With the small demo, its tree ready, at the first day of 2027.

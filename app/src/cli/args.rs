@@ -4,7 +4,7 @@ mod pictures;
 
 pub use pictures::{Looking, Movie, Page};
 
-use crate::project::{Request, Source};
+use crate::project::{self, Request, Source};
 use crate::report::is_stdout;
 use clap::builder::{NonEmptyStringValueParser, TypedValueParser};
 use clap::{Args, CommandFactory, Parser, Subcommand, ValueEnum};
@@ -92,7 +92,7 @@ pub struct Reading {
     pub encoding: Option<String>,
 
     /// What a column of CSV schedules means, for example start=Begin; may be repeated.
-    #[arg(long = "column", value_name = "MEANING=HEADING", value_parser = column)]
+    #[arg(long = "column", value_name = "MEANING=HEADING", value_parser = project::parse_column)]
     pub columns: Vec<(String, Column)>,
 
     /// The user-defined field or activity code that says the kinds of activities.
@@ -106,14 +106,6 @@ pub struct Reading {
 }
 
 /// `start=Begin`.
-fn column(text: &str) -> Result<(String, Column), String> {
-    let (word, heading) = text.split_once('=').ok_or("write MEANING=HEADING")?;
-    let meaning = Column::from_word(word.trim()).ok_or_else(|| {
-        format!("{word:?} is no meaning of a column; there are {}", Column::WORDS.join(", "))
-    })?;
-    Ok((heading.trim().to_owned(), meaning))
-}
-
 impl Reading {
     /// With the models that go with it.
     pub fn request(&self, models: Vec<Source>) -> Request {

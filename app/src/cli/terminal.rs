@@ -1,5 +1,6 @@
 //! Standard error: progress, errors and the log.
 
+use crate::estimate::{Estimate, left_text};
 use crate::report::describe;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{IsTerminal, Write};
@@ -44,11 +45,11 @@ impl ProgressLine {
             if let Ok(style) = ProgressStyle::with_template("{msg:<44} {bar:30} {elapsed}") {
                 bar.set_style(style);
             }
-            let mut step = Step::default();
+            let (mut estimate, started) = (Estimate::default(), Instant::now());
             while stopped.recv_timeout(Duration::from_millis(100)) == Err(RecvTimeoutError::Timeout)
             {
                 let (stage, share) = progress.state();
-                bar.set_message(step.describe(&stage, share));
+                bar.set_message(described(&mut estimate, &stage, share, started.elapsed()));
                 bar.set_position((share * 1000.0) as u64);
             }
             bar.finish_and_clear();
@@ -57,30 +58,11 @@ impl ProgressLine {
     }
 }
 
-/// The stage that is shown and when it began.
-#[derive(Default)]
-struct Step {
-    name: String,
-    since: Option<Instant>,
-}
-
-impl Step {
-    /// With the time that is left, once there is something to tell it from.
-    fn describe(&mut self, stage: &str, share: f32) -> String {
-        const LEAST_SHARE: f32 = 0.02;
-        const LEAST_SECONDS: f32 = 3.0;
-        if self.name != stage {
-            (self.name, self.since) = (stage.to_owned(), None);
-        }
-        let passed = self.since.get_or_insert_with(Instant::now).elapsed().as_secs_f32();
-        if share < LEAST_SHARE || passed < LEAST_SECONDS {
-            return stage.to_owned();
-        }
-        let left = (passed * (1.0 - share) / share) as u64;
-        match left {
-            0..120 => format!("{stage}, {left} s left"),
-            _ => format!("{stage}, {} min left", left.div_ceil(60)),
-        }
+/// A stage, with the time that is left of it once that can be told.
+fn described(estimate: &mut Estimate, stage: &str, share: f32, now: Duration) -> String {
+    match estimate.update(stage, share, now) {
+        Some(left) => format!("{stage}, {}", left_text(left)),
+        None => stage.to_owned(),
     }
 }
 
@@ -99,13 +81,15 @@ mod tests {
 
     #[test]
     fn the_time_left_is_told_once_it_is_known() {
-        let mut step = Step::default();
-        assert_eq!(step.describe("build", 0.5), "build", "it only began");
-        step.since = Instant::now().checked_sub(Duration::from_secs(10));
-        assert_eq!(step.describe("build", 0.001), "build", "too little to tell it from");
-        assert_eq!(step.describe("build", 0.5), "build, 10 s left");
-        step.since = Instant::now().checked_sub(Duration::from_secs(90));
-        assert_eq!(step.describe("build", 0.25), "build, 5 min left");
-        assert_eq!(step.describe("write", 0.25), "write", "another step");
+        let mut estimate = Estimate::default();
+        let mut told = |stage: &str, share: f32, seconds: f64| {
+            described(&mut estimate, stage, share, Duration::from_secs_f64(seconds))
+        };
+        assert_eq!(told("build", 0.0, 0.0), "build", "it only began");
+        for tenth in 1..=100 {
+            told("build", tenth as f32 / 200.0, f64::from(tenth) / 10.0);
+        }
+        assert_eq!(told("build", 0.505, 10.1), "build, 10 s left");
+        assert_eq!(told("write", 0.25, 10.2), "write", "another step");
     }
 }

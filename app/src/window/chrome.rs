@@ -153,7 +153,7 @@ const MENUS: [(&str, &[&str]); 6] = [
             "Diagnostics",
         ],
     ),
-    ("Help", &["Keyboard shortcuts"]),
+    ("Help", &["Keyboard shortcuts", "First steps", "", "About topout…"]),
 ];
 
 /// The bar.
@@ -286,7 +286,7 @@ fn needs_project(command: &Command) -> bool {
             | Command::Quit
             | Command::ToggleScheme
             | Command::SetMouse(_)
-            | Command::Toggle(Panel::Shortcuts | Panel::Palette)
+            | Command::Toggle(Panel::Shortcuts | Panel::Palette | Panel::About)
     )
 }
 

@@ -3,6 +3,7 @@
 use super::browser::Browse;
 use super::camera::Camera;
 use super::clock::{Speed, Step};
+use super::closing::Close;
 use super::compare::Against;
 use super::export::Export;
 use super::gantt::Filter;
@@ -55,6 +56,8 @@ pub enum Panel {
     Table,
     /// The list of shortcuts.
     Shortcuts,
+    /// Version and graphics adapter.
+    About,
 }
 
 /// A request of the user; [`super::AppState::apply`] carries it out.
@@ -88,6 +91,12 @@ pub enum Command {
     DismissError,
     /// Close the window.
     Quit,
+    /// Show what can be done first.
+    ShowHint,
+    /// Show that no more.
+    CloseHint,
+    /// What becomes of changes before the window closes.
+    AnswerClose(Close),
 
     /// Play or pause.
     TogglePlay,
@@ -445,6 +454,8 @@ pub fn actions() -> Vec<Action> {
         action(C::Toggle(Panel::Palette), "Command palette…", Some(S::command(Key::P))),
         action(C::Toggle(Panel::Table), "HDLOD table…", Some(S::command(Key::T))),
         action(C::Toggle(Panel::Shortcuts), "Keyboard shortcuts", Some(S::key(Key::F1))),
+        action(C::ShowHint, "First steps", None),
+        action(C::Toggle(Panel::About), "About topout…", None),
     ]
     .into_iter()
     .chain(Mouse::ALL.map(|(mouse, name)| action(C::SetMouse(mouse), name, None)))

@@ -4,10 +4,12 @@ use super::calendar::Calendar;
 use super::gantt::Plan;
 use super::reload::Edit;
 use crate::bench::export::Format;
+use crate::estimate::{Estimate, left_text};
 use crate::output::film::write_whole;
 use crate::project::{self, Request};
 use crate::report::write_file;
 use anyhow::Context as _;
+use std::cell::RefCell;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{self, TryRecvError};
@@ -26,6 +28,7 @@ pub struct Job<T> {
     progress: Arc<Progress>,
     result: mpsc::Receiver<T>,
     started: Instant,
+    estimate: RefCell<Estimate>,
 }
 
 /// What became of a [`Job`].
@@ -58,7 +61,13 @@ impl<T: Send + 'static> Job<T> {
             // The receiver is gone when the user cancelled; then nobody wants the value.
             let _ = sender.send(value);
         })?;
-        Ok(Self { thread: Some(thread), progress, result, started: Instant::now() })
+        Ok(Self {
+            thread: Some(thread),
+            progress,
+            result,
+            started: Instant::now(),
+            estimate: RefCell::default(),
+        })
     }
 
     /// Asks the thread to stop at its next step; [`Job::poll`] tells when it has.
@@ -87,6 +96,21 @@ impl<T: Send + 'static> Job<T> {
     /// The current stage and its finished share in [0, 1].
     pub fn state(&self) -> (String, f32) {
         self.progress.state()
+    }
+
+    /// The current stage with its share, the time since the start and the time that the stage will still
+    /// take, each where it is known: `HDLOD: level 3 · 40 % · 12 s · 20 s left`.
+    pub fn told(&self) -> String {
+        let ((stage, share), passed) = (self.state(), self.elapsed());
+        let mut told = if stage.is_empty() { "Starting".to_owned() } else { stage.clone() };
+        if share > 0.0 {
+            told.push_str(&format!(" · {:.0} %", share * 100.0));
+        }
+        told.push_str(&format!(" · {} s", passed.as_secs()));
+        if let Some(left) = self.estimate.borrow_mut().update(&stage, share, passed) {
+            told.push_str(&format!(" · {}", left_text(left)));
+        }
+        told
     }
 
     /// Time since the start.

@@ -4,6 +4,7 @@ use super::camera::Camera;
 use super::compare::Half;
 use super::measure::{self, words};
 use super::navigation::Drag;
+use super::raster::Raster;
 use super::section::handles::{self, Handle};
 use super::state::AppState;
 use super::theme::{SMALL, palette};
@@ -16,16 +17,14 @@ use topout_scene::Aabb;
 pub(super) struct Marks<'a> {
     pub state: &'a AppState,
     pub side: Half,
-    /// Of the picture, points.
-    pub place: Rect,
-    pub pixels_per_point: f32,
+    pub raster: Raster,
 }
 
 impl Marks<'_> {
     /// Paints all of them. `gesture`: what goes on, where it began (pixels) and its pivot; `pulled`: the handle that
     /// is being pulled.
     pub fn paint(&self, ui: &Ui, gesture: Option<(Drag, Vec2, Vec3)>, pulled: Option<Handle>) {
-        let painter = ui.painter().with_clip_rect(self.place);
+        let painter = ui.painter().with_clip_rect(self.raster.place);
         self.absent(ui, &painter);
         self.section(ui, &painter, pulled);
         self.distances(ui, &painter);
@@ -56,7 +55,7 @@ impl Marks<'_> {
         let text = if self.side == Half::Shown { shown } else { other };
         let font = FontId::proportional(SMALL + 2.0);
         let galley = painter.layout_no_wrap(text, font, palette(ui).text);
-        let at = self.place.center_bottom() - egui::vec2(0.0, 16.0);
+        let at = self.raster.place.center_bottom() - egui::vec2(0.0, 16.0);
         let place = Align2::CENTER_BOTTOM.anchor_size(at, galley.size());
         painter.rect_filled(
             place.expand2(egui::vec2(8.0, 3.0)),
@@ -67,7 +66,7 @@ impl Marks<'_> {
     }
 
     fn position(&self, pixel: Vec2) -> Pos2 {
-        self.place.min + egui::vec2(pixel.x, pixel.y) / self.pixels_per_point
+        self.raster.point(pixel)
     }
 
     fn seen(&self, point: Vec3) -> Option<Pos2> {
@@ -164,11 +163,11 @@ impl Marks<'_> {
 
     /// The point that a click would take now.
     fn pointed(&self, ui: &Ui) -> Option<Vec3> {
-        let pointer = ui.input(|i| i.pointer.hover_pos()).filter(|p| self.place.contains(*p))?;
-        let pixel = (pointer - self.place.min) * self.pixels_per_point;
-        let pixel = Vec2::new(pixel.x, pixel.y);
+        let pointer =
+            ui.input(|i| i.pointer.hover_pos()).filter(|p| self.raster.place.contains(*p))?;
+        let pixel = self.raster.pixel(pointer);
         let hit = self.state.pick(self.side, pixel)?;
-        let reach = measure::SNAP * self.pixels_per_point;
+        let reach = measure::SNAP * self.raster.per_point;
         let (camera, size) = (&self.state.camera, self.state.picture);
         Some(measure::snapped(hit.corners, hit.point, camera, pixel, size, reach))
     }

@@ -3,21 +3,25 @@
 //! Data flows one way: input -> panels(&[`AppState`]) -> [`Command`]s -> [`AppState::apply`] ->
 //! the 3D view. Panels never change anything themselves.
 
+mod about;
 mod browser;
 mod calendar;
 mod camera;
 mod chrome;
 mod clock;
+mod closing;
 mod coloring;
 mod command;
 mod compare;
 mod cube;
+mod device;
 mod explode;
 mod export;
 mod finder;
 mod frames;
 mod gantt;
 mod graph;
+mod hint;
 mod history;
 mod inspector;
 mod loading;
@@ -27,6 +31,8 @@ mod modes;
 mod navigation;
 mod overlay;
 mod project_file;
+mod raster;
+mod recovery;
 mod reload;
 mod section;
 mod selection;
@@ -45,13 +51,17 @@ pub use browser::{Browse, Grouping};
 pub use calendar::Calendar;
 pub use camera::Camera;
 pub use clock::{Clock, Run, Speed, Step};
+pub use closing::{Close, Closing, Question};
 pub use command::{Action, Command, Panel, Shortcut, actions};
 pub use compare::{Against, Half};
+pub use device::Left;
 pub use export::{Export, Product};
 pub use frames::FrameLog;
 pub use gantt::{Filter, Gantt, Plan};
+pub use hint::Hint;
 pub use loading::write_schedule;
 pub use navigation::{Mouse, Navigation};
+pub use recovery::Recovery;
 pub use section::{Section, SectionBox, SectionPlane};
 pub use selection::{Choose, Selected};
 pub use shown::ElementColors;
@@ -64,12 +74,15 @@ pub use visibility::{Shown, Visibility};
 use crate::project::Request;
 use crate::tree::user_cache;
 use anyhow::Context as _;
+use device::{Estate, Losses};
 use egui::{CentralPanel, Frame, Margin, Panel as Side, Ui, ViewportCommand};
 use settings::Settings;
 use state::Effect;
+use std::panic::{AssertUnwindSafe, resume_unwind};
+use std::rc::Rc;
 use std::sync::Arc;
-use std::time::Duration;
-use topout_render::GpuError;
+use std::time::{Duration, Instant};
+use topout_render::{Fault, Faults, GpuError};
 use viewport::Viewport;
 
 /// How often progress of other threads is shown.
@@ -77,11 +90,41 @@ const PROGRESS_EVERY: Duration = Duration::from_millis(100);
 /// Longest step of time while playing, seconds: after a hitch the date does not leap.
 const LONGEST_STEP: f32 = 1.0;
 
-/// Opens the viewer and returns when it is closed. With a request it loads that at once.
+/// Opens the viewer and returns when it is closed. With a request it loads that at once. Where the graphics
+/// device is lost, another window goes on in place of the first.
 ///
 /// # Errors
 /// [`GpuError::NoAdapter`] without a graphics adapter; otherwise what the window system said.
 pub fn run(request: Option<Request>) -> anyhow::Result<()> {
+    let (estate, mut losses, mut request) = (Estate::default(), Losses::default(), request);
+    loop {
+        let window = || open(request.take(), &estate);
+        let closed = std::panic::catch_unwind(AssertUnwindSafe(window));
+        let Some(Left { mut state, why }) = estate.take() else {
+            return closed.unwrap_or_else(|panic| resume_unwind(panic));
+        };
+        let kept = state.keep_unsaved();
+        let kept = kept.as_deref();
+        match closed {
+            Ok(Ok(())) if losses.may_open_again(Instant::now()) => {
+                estate.replace(Some(Left { state, why }));
+            }
+            Ok(Ok(())) => anyhow::bail!(device::too_often(&why, kept)),
+            Ok(Err(error)) => return Err(error.context(device::none_came(&why, kept))),
+            // The loss met egui in the middle of a frame; its event loop is of no more use.
+            Err(panic) => match device::start_again(kept) {
+                Ok(true) => return Ok(()),
+                Ok(false) | Err(_) => {
+                    tracing::error!("{}", device::none_came(&why, kept));
+                    resume_unwind(panic)
+                }
+            },
+        }
+    }
+}
+
+/// Opens one window, for what was left by the one before or else for a request.
+fn open(request: Option<Request>, estate: &Estate) -> anyhow::Result<()> {
     let viewport = egui::ViewportBuilder::default()
         .with_title("topout")
         .with_app_id("topout")
@@ -95,15 +138,26 @@ pub fn run(request: Option<Request>) -> anyhow::Result<()> {
         },
         ..Default::default()
     };
+    let heir = Rc::clone(estate);
     let create: eframe::AppCreator<'_> = Box::new(move |context| {
-        let settings = context.storage.and_then(|s| s.get_string(settings::KEY));
-        let settings = settings.map(|text| Settings::read(&text)).unwrap_or_default();
-        let mut window = Window::new(context, None)?;
-        settings.apply(&mut window.state);
-        if let Some(request) = request {
-            window.state.apply(Command::Load(request));
-        }
-        window.state.cache = user_cache();
+        let mut window = match heir.take() {
+            Some(left) => Window::again(context, left)?,
+            None => {
+                let settings = context.storage.and_then(|s| s.get_string(settings::KEY));
+                let settings = settings.map(|text| Settings::read(&text)).unwrap_or_default();
+                let mut window = Window::new(context, None)?;
+                settings.apply(&mut window.state);
+                window.state.closing.recovery = Recovery::user();
+                if let Some(request) = request {
+                    window.state.apply(Command::Load(request));
+                }
+                window.state.cache = user_cache();
+                window
+            }
+        };
+        window.estate = Some(heir);
+        let seconds = std::env::var(device::LOSE_VARIABLE).ok().and_then(|text| text.parse().ok());
+        window.lose_after = seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));
         Ok(Box::new(window))
     });
     eframe::run_native("topout", options, create).map_err(|error| match error {
@@ -132,7 +186,16 @@ pub struct Window {
     viewport: Viewport,
     /// The picture on the other side of a comparison.
     other: Option<Viewport>,
-    device: egui_wgpu::RenderState,
+    opened: egui_wgpu::RenderState,
+    device: wgpu::Device,
+    faults: Faults,
+    /// What was told last of the device.
+    told: Option<Fault>,
+    /// Who goes on where the device is lost.
+    estate: Option<Estate>,
+    /// When the device is to be destroyed, for trying that.
+    lose_after: Option<Instant>,
+    title: String,
 }
 
 impl Window {
@@ -145,16 +208,100 @@ impl Window {
         context: &eframe::CreationContext<'_>,
         request: Option<Request>,
     ) -> anyhow::Result<Self> {
-        let device = context.wgpu_render_state.as_ref().context("the window has no wgpu device")?;
+        let mut window = Self::of(context, AppState::new(Arc::new(|| ())))?;
+        window.state.fade = window.viewport.suits_fading();
+        if let Some(request) = request {
+            window.state.apply(Command::Load(request));
+        }
+        Ok(window)
+    }
+
+    /// Goes on with what a window left whose device was lost.
+    ///
+    /// # Errors
+    /// As [`Window::new`].
+    pub fn again(context: &eframe::CreationContext<'_>, left: Left) -> anyhow::Result<Self> {
+        let mut window = Self::of(context, left.state)?;
+        // Others may wake the window that is gone.
+        window.state.watch();
+        window.state.frames.clear();
+        window.state.news = Some(device::opened_again(&left.why));
+        theme::choose(&context.egui_ctx, window.state.scheme);
+        Ok(window)
+    }
+
+    fn of(context: &eframe::CreationContext<'_>, mut state: AppState) -> anyhow::Result<Self> {
+        let opened = context.wgpu_render_state.as_ref().context("the window has no wgpu device")?;
         theme::install(&context.egui_ctx);
         let ctx = context.egui_ctx.clone();
-        let mut state = AppState::new(Arc::new(move || ctx.request_repaint()));
-        let viewport = Viewport::new(device);
-        state.fade = viewport.suits_fading();
-        if let Some(request) = request {
-            state.apply(Command::Load(request));
+        let wake: loading::Wake = Arc::new(move || ctx.request_repaint());
+        let woken = Arc::clone(&wake);
+        let faults = Faults::watch(&opened.device, move || woken());
+        state.wake = wake;
+        state.adapter = Some(opened.adapter.get_info());
+        Ok(Self {
+            state,
+            viewport: Viewport::new(opened),
+            other: None,
+            opened: opened.clone(),
+            device: opened.device.clone(),
+            faults,
+            told: None,
+            estate: None,
+            lose_after: None,
+            title: String::new(),
+        })
+    }
+
+    /// Why the window's device is gone; `None` while it is there.
+    pub fn lost_device(&self) -> Option<&str> {
+        self.faults.lost()
+    }
+
+    /// Destroys the device, as a driver that fails does.
+    pub fn lose_device(&self) {
+        self.device.destroy();
+    }
+
+    /// Takes what is shown out of a window whose device was lost.
+    pub fn leave(&mut self) -> Option<Left> {
+        let why = self.faults.lost()?.to_owned();
+        let nothing = AppState::new(Arc::new(|| ()));
+        Some(Left { state: std::mem::replace(&mut self.state, nothing), why })
+    }
+
+    /// Whether the device is gone, which ends this window; says what else is wrong with it.
+    fn listen(&mut self, ctx: &egui::Context) -> bool {
+        if self.lose_after.is_some_and(|when| when <= Instant::now()) {
+            self.lose_device();
         }
-        Ok(Self { state, viewport, other: None, device: device.clone() })
+        // Callbacks of a device that does nothing come only here.
+        let _ = self.device.poll(wgpu::PollType::Poll);
+        if self.faults.lost().is_some() {
+            // egui cannot paint without a device, and panics where it tries.
+            ctx.graphics_mut(|painted| *painted = Default::default());
+            ctx.send_viewport_cmd(ViewportCommand::Close);
+            return true;
+        }
+        if let Some(fault) = self.faults.take()
+            && self.told.as_ref() != Some(&fault)
+        {
+            self.state.error = Some(device::explain(&fault));
+            self.told = Some(fault);
+        }
+        false
+    }
+
+    /// The title, and whether the window may close that the user wants to close.
+    fn mind_closing(&mut self, ctx: &egui::Context) {
+        let title = self.state.title();
+        if title != self.title {
+            ctx.send_viewport_cmd(ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+        if ctx.input(|i| i.viewport().close_requested()) && !self.state.may_close() {
+            ctx.send_viewport_cmd(ViewportCommand::CancelClose);
+        }
     }
 
     /// What is shown.
@@ -191,7 +338,7 @@ impl Window {
         let [mut left, mut right] = [place; 2];
         left.set_right(place.left() + width);
         right.set_left(place.right() - width);
-        let other = self.other.get_or_insert_with(|| Viewport::new(&self.device));
+        let other = self.other.get_or_insert_with(|| Viewport::new(&self.opened));
         self.viewport.show(ui, &mut self.state, Half::Shown, left);
         other.show(ui, &mut self.state, Half::Other, right);
         place
@@ -223,10 +370,18 @@ impl eframe::App for Window {
 
     fn ui(&mut self, ui: &mut Ui, _: &mut eframe::Frame) {
         let ctx = ui.ctx().clone();
+        if self.listen(&ctx) {
+            return;
+        }
+        self.mind_closing(&ctx);
         let seconds = ctx.input(|i| i.stable_dt.min(LONGEST_STEP));
         self.state.advance(f64::from(seconds));
         self.state.refresh();
-        let mut commands = command::from_keys(&ctx, self.state.navigation);
+        // A question is answered before anything else, also by Escape.
+        let mut commands = match self.state.closing.question {
+            Question::Asked => Vec::new(),
+            _ => command::from_keys(&ctx, self.state.navigation),
+        };
         let moving = self.steer(&ctx, seconds);
         let dropped = dropped_files(&ctx);
         if !dropped.is_empty() {
@@ -260,6 +415,9 @@ impl eframe::App for Window {
             self.state.apply(command);
         }
         self.take_effects(&ctx);
+        if self.listen(&ctx) {
+            return;
+        }
         if changed || moving || self.state.clock.is_playing() || self.is_fading() {
             // The panels were drawn before the change.
             ctx.request_repaint();
@@ -270,10 +428,21 @@ impl eframe::App for Window {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         storage.set_string(settings::KEY, Settings::of(&self.state).write());
+        self.state.keep_unsaved();
     }
 
     fn clear_color(&self, visuals: &egui::Visuals) -> [f32; 4] {
         visuals.panel_fill.to_normalized_gamma_f32()
+    }
+}
+
+impl Drop for Window {
+    fn drop(&mut self) {
+        if let Some(estate) = self.estate.take()
+            && let Some(left) = self.leave()
+        {
+            estate.replace(Some(left));
+        }
     }
 }
 
@@ -314,11 +483,13 @@ fn panels(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     }
     chrome::diagnostics(ui.ctx(), state, commands);
     chrome::shortcuts(ui.ctx(), state, commands);
+    about::show(ui.ctx(), state, commands);
     table::show(ui.ctx(), state, commands);
     viewpoints::show(ui.ctx(), state, commands);
     section::show(ui.ctx(), state, commands);
     export::show(ui.ctx(), state, commands);
     finder::show(ui.ctx(), state, commands);
+    closing::show(ui, state, commands);
 }
 
 /// A frame without the 3D view: what is asked for is carried out, and everything around the view is laid out.

@@ -2,6 +2,7 @@
 
 use super::command::{Command, Panel, keys_of};
 use super::cube;
+use super::hint;
 use super::loading::Job;
 use super::modes;
 use super::shown::ElementColors;
@@ -34,6 +35,11 @@ pub fn show(ui: &mut Ui, place: Rect, state: &AppState, commands: &mut Vec<Comma
     }
     corner(ui, inner, Align2::RIGHT_TOP, "views", |ui| views(ui, state, commands));
     corner(ui, inner, Align2::LEFT_BOTTOM, "legend", |ui| legend(ui, state, commands));
+    if state.hint.open {
+        corner(ui, inner, Align2::CENTER_BOTTOM, "first steps", |ui| {
+            card(ui).inner_margin(Margin::same(10)).show(ui, |ui| hint::card(ui, state, commands));
+        });
+    }
     if state.panels.figures {
         corner(ui, inner, Align2::RIGHT_BOTTOM, "figures", |ui| figures(ui, state, commands));
     }
@@ -296,7 +302,7 @@ fn working<T: Send + 'static>(
     cancel: Command,
     commands: &mut Vec<Command>,
 ) {
-    let (stage, share) = job.state();
+    let (_, share) = job.state();
     card(ui).inner_margin(Margin::same(8)).show(ui, |ui| {
         ui.set_width(280.0);
         ui.horizontal(|ui| {
@@ -308,14 +314,8 @@ fn working<T: Send + 'static>(
             });
         });
         ui.add(egui::ProgressBar::new(share).desired_height(4.0));
-        let seconds = job.elapsed().as_secs();
-        let stage = if stage.is_empty() { "Starting" } else { &stage };
-        let share = if share > 0.0 { format!(" · {:.0} %", share * 100.0) } else { String::new() };
-        ui.label(
-            RichText::new(format!("{stage}{share} · {seconds} s"))
-                .size(SMALL)
-                .color(palette(ui).weak),
-        );
+        ui.label(RichText::new(job.told()).size(SMALL).color(palette(ui).weak))
+            .on_hover_text("What is being done, and how long this step of it will still take");
     });
 }
 

@@ -4,24 +4,29 @@
 //! Elements are named by their guids, or else their names, so that views survive a new export of the model.
 
 use super::camera::Camera;
+use super::closing::Kept;
+use super::recovery::digest;
 use super::section::Section;
 use super::shown::ElementColors;
 use super::state::AppState;
 use super::viewpoints::Viewpoint;
 use super::visibility::{Shown, Visibility};
 use crate::output::film::write_whole;
-use crate::project::{Request, Source};
-use anyhow::{Context as _, bail};
+use crate::project::{Request, Source, column_text, parse_column};
+use anyhow::{Context as _, anyhow, bail};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::path::{Component, Path, PathBuf};
 use topout_scene::{Element, ElementId, Scene};
-use topout_schedule::{Time, TimeRange};
+use topout_schedule::{Column, DateSet, Time, TimeRange};
 
 /// The word at the head of a file.
 const FORMAT: &str = "topout-project";
 /// Newer ones are refused.
 const VERSION: u32 = 1;
+
+/// Bytes that a file may have: a million names of hidden elements in some views.
+const LARGEST: u64 = 256 << 20;
 
 /// The extension of project files.
 pub const EXTENSION: &str = "topout";
@@ -43,12 +48,27 @@ struct File {
     encoding: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     kind_field: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    columns: Vec<String>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    dates: Option<String>,
     #[serde(default, skip_serializing_if = "Option::is_none")]
     view: Option<View>,
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     views: Vec<View>,
     #[serde(default, rename = "loop", skip_serializing_if = "Option::is_none")]
     looped: Option<[String; 2]>,
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    recovers: Option<Recovers>,
+}
+
+/// Which project file a recovery file goes on from.
+#[derive(Clone, PartialEq, Debug, Default, Serialize, Deserialize)]
+pub(super) struct Recovers {
+    /// The project file; empty where the project never was in one.
+    pub file: PathBuf,
+    /// [`super::recovery::digest`] of what it held.
+    pub held: String,
 }
 
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize)]
@@ -76,10 +96,27 @@ fn own() -> ElementColors {
 /// How a project was looked at.
 #[derive(Clone, PartialEq, Debug)]
 pub struct Saved {
-    file: PathBuf,
+    /// The file that says so, for messages.
+    from: PathBuf,
+    /// The project file, and what it held; none for what was never saved by name.
+    pub(super) named: Option<Recovers>,
+    /// More was done to it than its project file knows.
+    pub(super) unsaved: bool,
     view: Option<View>,
     views: Vec<View>,
     looped: Option<[String; 2]>,
+}
+
+impl Saved {
+    /// Whether somebody made another thing of the project than `other` has. Where one looks from, at which
+    /// date and in which colours does not count.
+    pub(super) fn differs(&self, other: &Self) -> bool {
+        let seen = |saved: &Self| {
+            let view = saved.view.clone();
+            view.map(|view| (view.unscheduled, view.hidden, view.ghosts))
+        };
+        self.views != other.views || self.looped != other.looped || seen(self) != seen(other)
+    }
 }
 
 /// Reads a project file: what to load, and how it was looked at.
@@ -89,6 +126,10 @@ pub struct Saved {
 /// comes from a newer topout.
 pub fn read(path: &Path) -> anyhow::Result<(Request, Saved)> {
     let named = || path.display().to_string();
+    let bytes = std::fs::metadata(path).with_context(named)?.len();
+    if bytes > LARGEST {
+        bail!("{}: {bytes} bytes are no project file's", path.display());
+    }
     let text = std::fs::read_to_string(path).with_context(named)?;
     let file: File = serde_json::from_str(&text).with_context(named)?;
     if file.format != FORMAT {
@@ -114,6 +155,8 @@ pub fn read(path: &Path) -> anyhow::Result<(Request, Saved)> {
         true => file,
         false => folder.join(file),
     };
+    let columns = columns_of(&file.columns);
+    let dates = file.dates.as_deref().map(dates_of).transpose();
     let request = Request {
         models: file.models.into_iter().map(|model| Source::from(whole(model))).collect(),
         schedules: file.schedules.into_iter().map(whole).collect(),
@@ -122,10 +165,30 @@ pub fn read(path: &Path) -> anyhow::Result<(Request, Saved)> {
         date_format: file.date_format,
         encoding: file.encoding,
         kind_field: file.kind_field,
-        ..Request::default()
+        columns: columns.with_context(named)?,
+        dates: dates.with_context(named)?,
     };
     let (view, views, looped) = (file.view, file.views, file.looped);
-    Ok((request, Saved { file: path.to_owned(), view, views, looped }))
+    let known = Recovers { file: path.to_owned(), held: digest(text.as_bytes()) };
+    let (named, unsaved) = match file.recovers {
+        // Of a project that was never saved.
+        Some(recovers) if recovers.file.as_os_str().is_empty() => (None, false),
+        Some(recovers) => (Some(recovers), true),
+        None => (Some(known), false),
+    };
+    Ok((request, Saved { from: path.to_owned(), named, unsaved, view, views, looped }))
+}
+
+fn columns_of(texts: &[String]) -> anyhow::Result<Vec<(String, Column)>> {
+    let parse = |text: &String| parse_column(text).map_err(|error| anyhow!("columns: {error}"));
+    texts.iter().map(parse).collect()
+}
+
+fn dates_of(word: &str) -> anyhow::Result<DateSet> {
+    DateSet::from_word(word).ok_or_else(|| {
+        let words = DateSet::WORDS.map(|(word, _)| word).join(", ");
+        anyhow!("dates: {word:?} is none of {words}")
+    })
 }
 
 /// A path as a file in `folder` names it.
@@ -222,13 +285,17 @@ impl AppState {
         self.save_project_to(path);
     }
 
-    /// Writes what is shown to a project file.
-    pub(super) fn save_project_to(&mut self, path: PathBuf) {
-        let Some(project) = &self.project else { return };
+    /// What is shown as the text of a project file at `path`; `None` where nothing is shown.
+    pub(super) fn project_text(&self, path: &Path, recovers: Option<Recovers>) -> Option<String> {
+        let project = self.project.as_ref()?;
         // The folder of a bare file name is the one that the program runs in.
-        let whole = std::path::absolute(&path).unwrap_or_else(|_| path.clone());
+        let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
         let folder = whole.parent().unwrap_or(Path::new("")).to_owned();
-        let relative = |path: &PathBuf| portable(relative(path, &folder));
+        // What is recovered stands nowhere near its files.
+        let relative = |path: &PathBuf| match recovers {
+            Some(_) => std::path::absolute(path).unwrap_or_else(|_| path.clone()),
+            None => portable(relative(path, &folder)),
+        };
         let request = &project.request;
         let now = Viewpoint {
             name: String::new(),
@@ -257,18 +324,28 @@ impl AppState {
             date_format: request.date_format.clone(),
             encoding: request.encoding.clone(),
             kind_field: request.kind_field.clone(),
+            columns: request.columns.iter().map(column_text).collect(),
+            dates: request.dates.map(|set| set.word().to_owned()),
             view: Some(view(&now)),
             views: self.viewpoints.iter().map(view).collect(),
             looped: looped.map(|range| [range.start.to_string(), range.end.to_string()]),
+            recovers,
         };
-        let text = serde_json::to_string_pretty(&file).map_err(anyhow::Error::from);
-        let written = text.and_then(|text| Ok(write_whole(&path, text.as_bytes())?));
-        match written {
+        // Strings, numbers and lists can always be written.
+        serde_json::to_string_pretty(&file).ok()
+    }
+
+    /// Writes what is shown to a project file.
+    pub(super) fn save_project_to(&mut self, path: PathBuf) {
+        let Some(text) = self.project_text(&path, None) else { return };
+        match write_whole(&path, text.as_bytes()) {
             Ok(()) => {
+                self.forget_recovery();
                 self.news = Some(format!("The project was saved to {}", path.display()));
                 self.project_file = Some(path);
+                self.hold_as_saved(digest(text.as_bytes()));
             }
-            Err(error) => self.error = Some(crate::report::describe(&error)),
+            Err(error) => self.error = Some(crate::report::describe(&error.into())),
         }
     }
 
@@ -298,7 +375,7 @@ impl AppState {
                 Err(error) => wrong.push(format!("loop: {error}")),
             }
         }
-        let file = saved.file.display();
+        let file = saved.from.display();
         if !wrong.is_empty() {
             self.error = Some(format!("{file}: {}. The rest is as it was.", wrong.join("; ")));
         }
@@ -307,7 +384,18 @@ impl AppState {
             self.news =
                 Some(format!("{gone} hidden {what} no longer in the model; {file} named them."));
         }
-        self.project_file = Some(saved.file);
+        if let Some(named) = saved.named {
+            self.project_file = Some(named.file);
+            self.hold_as_saved(named.held);
+            if saved.unsaved {
+                self.closing.kept.iter_mut().for_each(Kept::outdate);
+                self.news = Some(
+                    "Changes that were not saved the last time are here again. File > Save project \
+                     keeps them."
+                        .to_owned(),
+                );
+            }
+        }
     }
 }
 

@@ -2,13 +2,15 @@
 
 use super::clock::Speed;
 use super::command::Command;
+use super::hint::Hint;
 use super::navigation::Mouse;
 use super::shown::{ElementColors, Panels};
 use super::state::AppState;
 use super::theme::Scheme;
-use crate::project::{Request, Source};
+use crate::project::{Request, Source, column_text, parse_column};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use topout_schedule::DateSet;
 
 /// Where eframe keeps them among what it keeps itself: the window's place and the widths of columns and panels.
 pub const KEY: &str = "topout";
@@ -29,6 +31,12 @@ pub struct Recent {
     date_format: Option<String>,
     #[serde(default)]
     encoding: Option<String>,
+    #[serde(default)]
+    columns: Vec<String>,
+    #[serde(default)]
+    kind_field: Option<String>,
+    #[serde(default)]
+    dates: Option<String>,
 }
 
 impl Recent {
@@ -50,6 +58,9 @@ impl Recent {
             paths: request.paths.iter().map(whole).collect(),
             date_format: request.date_format.clone(),
             encoding: request.encoding.clone(),
+            columns: request.columns.iter().map(column_text).collect(),
+            kind_field: request.kind_field.clone(),
+            dates: request.dates.map(|set| set.word().to_owned()),
         })
     }
 
@@ -62,7 +73,9 @@ impl Recent {
             paths: self.paths.clone(),
             date_format: self.date_format.clone(),
             encoding: self.encoding.clone(),
-            ..Request::default()
+            columns: self.columns.iter().filter_map(|text| parse_column(text).ok()).collect(),
+            kind_field: self.kind_field.clone(),
+            dates: self.dates.as_deref().and_then(DateSet::from_word),
         }
     }
 
@@ -89,6 +102,7 @@ pub struct Settings {
     colors: Option<ElementColors>,
     tolerance_px: Option<f32>,
     recent: Vec<Recent>,
+    hint_seen: bool,
 }
 
 impl Settings {
@@ -101,6 +115,7 @@ impl Settings {
             diagnostics: false,
             table: false,
             shortcuts: false,
+            about: false,
             ..state.panels
         };
         Self {
@@ -112,6 +127,7 @@ impl Settings {
             colors: Some(state.colors),
             tolerance_px: Some(state.tolerance_px),
             recent: state.recent.clone(),
+            hint_seen: state.hint.seen,
         }
     }
 
@@ -125,6 +141,7 @@ impl Settings {
         state.colors = self.colors.unwrap_or(state.colors);
         state.apply(Command::SetTolerance(self.tolerance_px.unwrap_or(state.tolerance_px)));
         state.recent = self.recent;
+        state.hint = Hint { open: !self.hint_seen, seen: self.hint_seen };
     }
 
     /// From what was kept; as in a first start where that cannot be read.

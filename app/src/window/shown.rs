@@ -34,6 +34,8 @@ pub struct Panels {
     pub table: bool,
     /// See [`super::command::Panel`].
     pub shortcuts: bool,
+    /// See [`super::command::Panel`].
+    pub about: bool,
 }
 
 impl Default for Panels {
@@ -54,6 +56,7 @@ impl Default for Panels {
             diagnostics: false,
             table: false,
             shortcuts: false,
+            about: false,
         }
     }
 }

@@ -250,10 +250,9 @@ fn content(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     }
     ui.horizontal(|ui| match &table.job {
         Some((job, _)) => {
-            let (stage, share) = job.state();
+            let (_, share) = job.state();
             ui.add(egui::ProgressBar::new(share).desired_width(160.0).desired_height(4.0));
-            let text = format!("{stage} {:.0} % · {} s", share * 100.0, job.elapsed().as_secs());
-            ui.label(RichText::new(text).size(SMALL).color(weak));
+            ui.label(RichText::new(job.told()).size(SMALL).color(weak));
             if table.stopping {
                 ui.label("stopping …");
             } else if ui.button("Stop").clicked() {

@@ -9,6 +9,7 @@ use super::compare::{Half, Shown};
 use super::marks;
 use super::measure;
 use super::navigation::{Drag, Navigation};
+use super::raster::Raster;
 use super::section::Section;
 use super::section::handles::{self, Handle};
 use super::selection::Choose;
@@ -125,24 +126,21 @@ impl Viewport {
 
     /// Fills `place` with the picture of one side.
     pub fn show(&mut self, ui: &mut Ui, state: &mut AppState, side: Half, place: Rect) {
-        let pixels_per_point = ui.ctx().pixels_per_point();
+        let largest = self.window.device.limits().max_texture_dimension_2d;
+        let raster = Raster::new(place, ui.ctx().pixels_per_point(), largest);
+        let place = raster.place;
         let response = ui
             .allocate_rect(place, Sense::click_and_drag())
             .on_hover_cursor(egui::CursorIcon::Default);
         let name = if side == Half::Shown { "3D view" } else { "3D view of the other plan" };
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, name));
         self.side = side;
-        let size = (place.size() * pixels_per_point).round();
-        state.set_picture(UVec2::new(size.x.max(1.0) as u32, size.y.max(1.0) as u32));
+        state.set_picture(raster.size);
         if state.project.is_none() {
             ui.painter().rect_filled(place, 0.0, palette(ui).well);
             return;
         }
-        let pixel = |p: Pos2| {
-            let p = (p - place.min) * pixels_per_point;
-            Vec2::new(p.x, p.y)
-        };
-        for command in self.gestures(ui, &response, state, &pixel) {
+        for command in self.gestures(ui, &response, state, &raster) {
             state.apply(command);
         }
         let errors = [self.take_over(state), self.take_looks(state)];
@@ -155,7 +153,7 @@ impl Viewport {
             let whole = Rect::from_min_max(Pos2::ZERO, Pos2::new(1.0, 1.0));
             ui.painter().image(texture, place, whole, Color32::WHITE);
         }
-        let marks = marks::Marks { state, side, place, pixels_per_point };
+        let marks = marks::Marks { state, side, raster };
         marks.paint(
             ui,
             self.gesture.map(|g| (g.kind, g.from, g.point)),
@@ -168,16 +166,16 @@ impl Viewport {
         ui: &Ui,
         response: &egui::Response,
         state: &AppState,
-        pixel: &dyn Fn(Pos2) -> Vec2,
+        raster: &Raster,
     ) -> Vec<Command> {
+        let pixel = |point| raster.pixel(point);
         let mut commands = Vec::new();
         let (origin, now, modifiers) =
             ui.input(|i| (i.pointer.press_origin(), i.pointer.latest_pos(), i.modifiers));
-        let pixels_per_point = ui.ctx().pixels_per_point();
         if response.drag_started_by(PointerButton::Primary)
             && let Some(origin) = origin
         {
-            let (at, reach) = (pixel(origin), handles::REACH * pixels_per_point);
+            let (at, reach) = (pixel(origin), handles::REACH * raster.per_point);
             let handle = handles::under(&state.section, &state.camera, at, state.picture, reach);
             self.pull = handle.map(|handle| (handle, state.section.clone(), at));
         }
@@ -222,7 +220,7 @@ impl Viewport {
         }
         if let (Some(gesture), true, Some(now)) = (self.gesture, response.dragged(), now) {
             let turn = std::f32::consts::PI / state.picture.y as f32;
-            let turned = response.drag_delta() * ui.ctx().pixels_per_point() * turn;
+            let turned = response.drag_delta() * raster.per_point * turn;
             let camera = match gesture.kind {
                 Drag::Orbit => state.camera.orbit(gesture.point, -turned.x, turned.y),
                 Drag::Look => state.camera.orbit(state.camera.eye, -turned.x, turned.y),
@@ -251,7 +249,7 @@ impl Viewport {
             let hit = state.pick(self.side, pixel(at));
             commands.extend(match (hit, Choose::by(modifiers)) {
                 (Some(hit), _) if state.measure.on => {
-                    let reach = measure::SNAP * pixels_per_point;
+                    let reach = measure::SNAP * raster.per_point;
                     let point = meant(state, &hit, pixel(at), reach);
                     Some(Command::MeasureAt(point))
                 }

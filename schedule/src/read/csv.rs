@@ -103,6 +103,28 @@ impl Column {
         })
     }
 
+    /// The word of [`Column::from_word`].
+    pub fn word(self) -> String {
+        let word = match self {
+            Self::Id => "id",
+            Self::Name => "name",
+            Self::Start => "start",
+            Self::End => "end",
+            Self::StartOf(set) => return format!("{}_start", set.word()),
+            Self::EndOf(set) => return format!("{}_end", set.word()),
+            Self::Kind => "kind",
+            Self::Active => "active",
+            Self::Milestone => "milestone",
+            Self::PercentComplete => "percent_complete",
+            Self::Wbs => "wbs",
+            Self::Predecessors => "predecessors",
+            Self::Elements => "elements",
+            Self::Field => "field",
+            Self::Ignored => "ignored",
+        };
+        word.to_owned()
+    }
+
     /// Whether a heading of this name means it in every table; other names are those of fields there.
     fn is_common(self) -> bool {
         use Column::{Active, Elements, End, Id, Kind, Name, Start};

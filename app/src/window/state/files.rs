@@ -12,12 +12,16 @@ use std::sync::Arc;
 
 impl AppState {
     pub(in super::super) fn load(&mut self, request: Request) {
-        self.saved = None;
+        self.keep_unsaved();
+        self.saved = self.closing.recovery.as_ref().and_then(|recovery| recovery.find(&request));
         if let [Source::File(path)] = &request.models[..]
             && path.extension().is_some_and(|e| e.eq_ignore_ascii_case(EXTENSION))
         {
             return match project_file::read(path) {
                 Ok((request, saved)) => {
+                    let recovery = self.closing.recovery.as_ref();
+                    let later = recovery.and_then(|r| r.find_named(path, &request, &saved));
+                    let (request, saved) = later.unwrap_or((request, saved));
                     self.load(request);
                     self.saved = Some(saved);
                 }

@@ -8,6 +8,7 @@ use super::browser::Browser;
 use super::calendar::Calendar;
 use super::camera::Camera;
 use super::clock::{Clock, Run};
+use super::closing::Closing;
 use super::coloring::Coloring;
 use super::command::{Command, Panel};
 use super::compare::{Compared, Comparing, Half};
@@ -15,6 +16,7 @@ use super::explode::Explosion;
 use super::export::{Export, Exporting, browse};
 use super::frames::FrameLog;
 use super::gantt::Gantt;
+use super::hint::Hint;
 use super::history::History;
 use super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, Stamp, Wake, place_project};
 use super::measure::Measure;
@@ -114,6 +116,8 @@ pub struct AppState {
     dialog: Option<Job<Answer>>,
     /// Where the shown project is saved.
     pub project_file: Option<PathBuf>,
+    /// What that file has, and what is asked before the window closes.
+    pub closing: Closing,
     /// How what is being loaded was looked at.
     pub(super) saved: Option<Saved>,
     /// Projects that were open, the last one first.
@@ -185,6 +189,10 @@ pub struct AppState {
     pub frames: FrameLog,
     /// Which panels are unfolded.
     pub panels: Panels,
+    /// What can be done first.
+    pub hint: Hint,
+    /// What draws; none without a window.
+    pub adapter: Option<wgpu::AdapterInfo>,
     /// Dark or light.
     pub scheme: Scheme,
     /// The paper's table.
@@ -212,6 +220,7 @@ impl AppState {
             comparing: None,
             dialog: None,
             project_file: None,
+            closing: Closing::default(),
             saved: None,
             recent: Vec::new(),
             export: Export::default(),
@@ -246,6 +255,8 @@ impl AppState {
             selected: Selected::default(),
             frames: FrameLog::default(),
             panels: Panels::default(),
+            hint: Hint::default(),
+            adapter: None,
             scheme: Scheme::default(),
             table: Table::default(),
             effects: Vec::new(),
@@ -286,6 +297,7 @@ impl AppState {
 
     /// Carries out one command.
     pub fn apply(&mut self, command: Command) {
+        self.hint.heed(&command);
         match command {
             Command::OpenModel => self.ask(Ask::Models),
             Command::OpenSchedule => self.ask(Ask::Schedules),
@@ -308,6 +320,9 @@ impl AppState {
             Command::Report(error) => self.error = Some(error),
             Command::DismissError => self.error = None,
             Command::Quit => self.effects.push(Effect::Close),
+            Command::ShowHint => self.hint.show(),
+            Command::CloseHint => self.hint.close(),
+            Command::AnswerClose(answer) => self.answer_close(answer),
 
             Command::TogglePlay => self.clock.toggle(),
             Command::PlayForward => self.clock.play(Run::Forward, true),
@@ -622,6 +637,8 @@ impl AppState {
     }
 
     fn show(&mut self, project: Project) {
+        // What was shown is left without a question.
+        self.keep_unsaved();
         let same_models =
             self.project.as_ref().is_some_and(|p| p.request.models == project.request.models);
         let project = Arc::new(project);
@@ -639,6 +656,7 @@ impl AppState {
             self.history = History::default();
             self.trail = Trail::default();
             self.project_file = None;
+            self.closing.kept = None;
             self.viewpoints.clear();
         }
         self.gantt = Gantt::of(&project);
@@ -713,6 +731,7 @@ impl AppState {
             Panel::Diagnostics => &mut self.panels.diagnostics,
             Panel::Table => &mut self.panels.table,
             Panel::Shortcuts => &mut self.panels.shortcuts,
+            Panel::About => &mut self.panels.about,
         }
     }
 
