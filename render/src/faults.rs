@@ -3,6 +3,7 @@
 //! wgpu panics at what nobody listens to. A driver that was updated, a card that was unplugged or a computer
 //! that slept takes the device away, and no call says so: [`Faults`] listens.
 
+use crate::gpu::GpuError;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 /// What went wrong with a device that is still there.
@@ -28,6 +29,25 @@ impl Faults {
     /// Listens to a device from now on, in place of whoever did before. `wake` is called from any thread, within
     /// calls to the device, whenever there is something to hear; it must not use the device.
     pub fn watch(device: &wgpu::Device, wake: impl Fn() + Send + Sync + 'static) -> Self {
+        Self::listen(device, wake, |_| ())
+    }
+
+    /// The same where nobody is shown a fault: what is refused is a mistake of this program, and panics.
+    pub(crate) fn watch_strictly(device: &wgpu::Device) -> Self {
+        Self::listen(
+            device,
+            || (),
+            |fault| {
+                assert!(!matches!(fault, Fault::Refused(_)), "the graphics device: {fault:?}");
+            },
+        )
+    }
+
+    fn listen(
+        device: &wgpu::Device,
+        wake: impl Fn() + Send + Sync + 'static,
+        look: impl Fn(&Fault) + Send + Sync + 'static,
+    ) -> Self {
         let faults = Self::default();
         let wake = Arc::new(wake);
         let (heard, waken) = (faults.clone(), Arc::clone(&wake));
@@ -43,11 +63,13 @@ impl Faults {
         });
         let heard = faults.clone();
         device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
-            heard.hear(match error {
+            let fault = match error {
                 wgpu::Error::OutOfMemory { source } => Fault::OutOfMemory(source.to_string()),
                 wgpu::Error::Validation { description, .. }
                 | wgpu::Error::Internal { description, .. } => Fault::Refused(description),
-            });
+            };
+            look(&fault);
+            heard.hear(fault);
             wake();
         }));
         faults
@@ -73,6 +95,23 @@ impl Faults {
         self.0.lost.get().map(String::as_str)
     }
 
+    /// Whether what was drawn until now can be relied on.
+    ///
+    /// # Errors
+    /// The loss of the device, or the gravest fault since this was asked last.
+    pub(crate) fn check(&self) -> Result<(), GpuError> {
+        if let Some(why) = self.lost() {
+            return Err(GpuError::Failed(format!("the graphics device was lost: {why}")));
+        }
+        match self.take() {
+            Some(Fault::OutOfMemory(reason)) => {
+                Err(GpuError::OutOfMemory { what: "the textures of a picture", reason })
+            }
+            Some(Fault::Refused(what)) => Err(GpuError::Failed(what)),
+            None => Ok(()),
+        }
+    }
+
     /// The gravest fault since this was asked last.
     pub fn take(&self) -> Option<Fault> {
         self.0.fault.lock().unwrap_or_else(PoisonError::into_inner).take()
@@ -95,7 +134,7 @@ mod tests {
             count.fetch_add(1, Ordering::Relaxed);
         });
         assert_eq!((faults.lost(), faults.take()), (None, None));
-        gpu.device.create_texture(&wgpu::TextureDescriptor {
+        let _ = gpu.device.create_texture(&wgpu::TextureDescriptor {
             label: Some("too wide"),
             size: wgpu::Extent3d {
                 width: gpu.device.limits().max_texture_dimension_2d + 1,
@@ -118,11 +157,24 @@ mod tests {
     }
 
     #[test]
+    fn a_picture_of_a_lost_device_is_an_error() {
+        let gpu = Gpu::headless().unwrap();
+        let mut renderer = crate::Renderer::new(&gpu);
+        assert!(renderer.read_back().is_ok());
+        gpu.device.destroy();
+        let error = renderer.read_back().unwrap_err();
+        assert!(matches!(error, GpuError::Failed(_) | GpuError::OutOfMemory { .. }), "{error}");
+        assert!(error.to_string().contains("lost"), "{error}");
+    }
+
+    #[test]
     fn want_of_memory_outweighs_what_follows_from_it() {
         let faults = Faults::default();
         faults.hear(Fault::Refused("a".to_owned()));
         faults.hear(Fault::OutOfMemory("b".to_owned()));
         faults.hear(Fault::Refused("c".to_owned()));
-        assert_eq!(faults.take(), Some(Fault::OutOfMemory("b".to_owned())));
+        let error = faults.check().unwrap_err();
+        assert!(matches!(error, GpuError::OutOfMemory { reason, .. } if reason == "b"));
+        assert_eq!(faults.check(), Ok(()));
     }
 }

@@ -1,5 +1,6 @@
 //! The device: found without a window, or taken over from one.
 
+use crate::faults::Faults;
 use crate::shader::ShaderTexts;
 use pollster::block_on;
 
@@ -53,6 +54,8 @@ pub struct Gpu {
     /// Name, kind and driver of the adapter.
     pub info: wgpu::AdapterInfo,
     pub(crate) shaders: ShaderTexts,
+    /// What the device said unasked; nothing where a window listens.
+    pub(crate) faults: Faults,
 }
 
 /// Everything that is used where it exists. Nothing of it is required.
@@ -128,12 +131,14 @@ impl Gpu {
             block_on(adapter.request_device(&device_descriptor(adapter))).map_err(|e| {
                 GpuError::NoDevice { adapter: info.name.clone(), reason: e.to_string() }
             })?;
-        Ok(Self::from_parts(device, queue, info))
+        let faults = Faults::watch_strictly(&device);
+        Ok(Self { faults, ..Self::from_parts(device, queue, info) })
     }
 
     /// Takes over a device that a window has opened; see [`device_descriptor`] for how.
     pub fn from_parts(device: wgpu::Device, queue: wgpu::Queue, info: wgpu::AdapterInfo) -> Self {
-        Self { device, queue, info, shaders: ShaderTexts::default() }
+        let (shaders, faults) = (ShaderTexts::default(), Faults::default());
+        Self { device, queue, info, shaders, faults }
     }
 
     /// Whether the adapter is a program on the CPU.

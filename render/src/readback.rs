@@ -29,6 +29,8 @@ impl Picture {
 
 /// The bytes of a texture of four bytes a pixel, rows without padding.
 pub(crate) fn texture_bytes(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuError> {
+    // Whoever lost the device wants to hear that, not what followed from it.
+    gpu.faults.check()?;
     let size = texture.size();
     let row = size.width * 4;
     let padded = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT);
@@ -57,6 +59,7 @@ pub(crate) fn texture_bytes(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<u8
         let _ = send.send(result);
     });
     gpu.wait();
+    gpu.faults.check()?;
     match receive.try_recv() {
         Ok(Ok(())) => {}
         Ok(Err(error)) => return Err(GpuError::Failed(error.to_string())),

@@ -63,7 +63,8 @@ pub fn show(ctx: &egui::Context, state: &AppState, commands: &mut Vec<Command>) 
         .open(&mut open)
         .resizable(false)
         .collapsible(false)
-        .default_pos([24.0, 140.0])
+        .pivot(egui::Align2::CENTER_CENTER)
+        .default_pos(ctx.content_rect().center())
         .show(ctx, |ui| content(ui, adapter, commands));
     if !open {
         commands.push(Command::Toggle(Panel::About));

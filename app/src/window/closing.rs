@@ -140,7 +140,9 @@ pub fn show(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
         return;
     }
     let name = state.project_file.as_ref().map(|file| file.display().to_string());
-    let shown = egui::Modal::new(egui::Id::unique("closing")).show(ui.ctx(), |ui| {
+    let frame = egui::Frame::popup(ui.style()).inner_margin(16);
+    let modal = egui::Modal::new(egui::Id::unique("closing")).frame(frame);
+    let shown = modal.show(ui.ctx(), |ui| {
         ui.set_width(ui.ctx().content_rect().width().min(420.0) - 40.0);
         ui.heading("Save the changes?");
         ui.add_space(4.0);

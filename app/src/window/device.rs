@@ -13,8 +13,8 @@ use std::rc::Rc;
 use std::time::{Duration, Instant};
 use topout_render::Fault;
 
-/// Seconds after which a window destroys its own device, for trying what follows.
-pub const LOSE_VARIABLE: &str = "TOPOUT_LOSE_DEVICE_AFTER";
+/// Seconds after which a window loses its device, for trying what follows.
+const LOSE_VARIABLE: &str = "TOPOUT_LOSE_DEVICE_AFTER";
 /// Set for a program that was started again by itself; it does not do so in turn.
 const STARTED_AGAIN: &str = "TOPOUT_STARTED_AGAIN";
 
@@ -47,6 +47,18 @@ impl Losses {
     }
 }
 
+/// Destroys a device after a time that the environment may name: at any moment, as drivers do.
+pub fn lose_if_asked(device: &wgpu::Device) {
+    let seconds = std::env::var(LOSE_VARIABLE).ok().and_then(|text| text.parse().ok());
+    let Some(Ok(after)) = seconds.map(Duration::try_from_secs_f64) else { return };
+    let device = device.clone();
+    // It ends with the program; where there is no thread, nothing is tried.
+    let _ = std::thread::Builder::new().name("topout-lose".to_owned()).spawn(move || {
+        std::thread::sleep(after);
+        device.destroy();
+    });
+}
+
 /// Where the project is, for messages.
 fn whereabouts(kept: Option<&Path>) -> String {
     match kept {
@@ -57,10 +69,14 @@ fn whereabouts(kept: Option<&Path>) -> String {
 
 /// Said where devices are lost again and again.
 pub fn too_often(why: &str, kept: Option<&Path>) -> String {
+    let advice = match why.to_lowercase().contains("memory") {
+        true => "Close other programs that draw, or make the window smaller.",
+        false => "A newer driver may help, or another one: WGPU_BACKEND=gl topout.",
+    };
+    let kept = whereabouts(kept);
     format!(
-        "the graphics device was lost {FEW} times within a minute ({why}). A newer driver may help, or another \
-         one: WGPU_BACKEND=gl topout. {}",
-        whereabouts(kept)
+        "the graphics device was lost {} times within a minute ({why}). {advice} {kept}",
+        FEW + 1
     )
 }
 
@@ -123,6 +139,8 @@ mod tests {
                 "{text}"
             );
         }
+        let no_room = too_often("Not enough memory left.", None);
+        assert!(no_room.contains("smaller") && !no_room.contains("driver"), "{no_room}");
         let full = explain(&Fault::OutOfMemory("no room for glass".to_owned()));
         assert!(full.contains("no room for glass") && full.contains("tolerance"), "{full}");
     }

@@ -6,6 +6,9 @@ use super::state::AppState;
 use super::theme::{SMALL, palette};
 use egui::{Modifiers, PointerButton, RichText, Ui};
 
+/// Width of the card, points.
+const WIDTH: f32 = 300.0;
+
 /// Whether the card is shown, and whether it was before.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Hint {
@@ -74,6 +77,8 @@ pub fn lines(mouse: Mouse) -> [(String, &'static str); 6] {
 /// The card.
 pub fn card(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let text = |text: &str| RichText::new(text).size(SMALL);
+    ui.set_max_width(WIDTH);
+    ui.spacing_mut().interact_size.y = 14.0;
     ui.horizontal(|ui| {
         ui.label(RichText::new("First steps").strong());
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

@@ -98,19 +98,18 @@ impl<T: Send + 'static> Job<T> {
         self.progress.state()
     }
 
-    /// The current stage with its share, the time since the start and the time that the stage will still
-    /// take, each where it is known: `HDLOD: level 3 · 40 % · 12 s · 20 s left`.
+    /// The current stage with its share and the time that it will still take, each where it is known, and the
+    /// time since the start of all: `HDLOD: level 3 · 40 %, 20 s left · 32 s so far`.
     pub fn told(&self) -> String {
         let ((stage, share), passed) = (self.state(), self.elapsed());
         let mut told = if stage.is_empty() { "Starting".to_owned() } else { stage.clone() };
         if share > 0.0 {
             told.push_str(&format!(" · {:.0} %", share * 100.0));
         }
-        told.push_str(&format!(" · {} s", passed.as_secs()));
         if let Some(left) = self.estimate.borrow_mut().update(&stage, share, passed) {
-            told.push_str(&format!(" · {}", left_text(left)));
+            told.push_str(&format!(", {}", left_text(left)));
         }
-        told
+        told + &format!(" · {} s so far", passed.as_secs())
     }
 
     /// Time since the start.

@@ -87,6 +87,8 @@ use viewport::Viewport;
 
 /// How often progress of other threads is shown.
 const PROGRESS_EVERY: Duration = Duration::from_millis(100);
+/// Points across and down beside which panels have room: the smallest ones of them and something to see.
+const LEAST_ROOM: egui::Vec2 = egui::vec2(600.0, 260.0);
 /// Longest step of time while playing, seconds: after a hitch the date does not leap.
 const LONGEST_STEP: f32 = 1.0;
 
@@ -156,8 +158,7 @@ fn open(request: Option<Request>, estate: &Estate) -> anyhow::Result<()> {
             }
         };
         window.estate = Some(heir);
-        let seconds = std::env::var(device::LOSE_VARIABLE).ok().and_then(|text| text.parse().ok());
-        window.lose_after = seconds.map(|seconds| Instant::now() + Duration::from_secs(seconds));
+        device::lose_if_asked(&window.device);
         Ok(Box::new(window))
     });
     eframe::run_native("topout", options, create).map_err(|error| match error {
@@ -193,8 +194,6 @@ pub struct Window {
     told: Option<Fault>,
     /// Who goes on where the device is lost.
     estate: Option<Estate>,
-    /// When the device is to be destroyed, for trying that.
-    lose_after: Option<Instant>,
     title: String,
 }
 
@@ -248,7 +247,6 @@ impl Window {
             faults,
             told: None,
             estate: None,
-            lose_after: None,
             title: String::new(),
         })
     }
@@ -272,9 +270,6 @@ impl Window {
 
     /// Whether the device is gone, which ends this window; says what else is wrong with it.
     fn listen(&mut self, ctx: &egui::Context) -> bool {
-        if self.lose_after.is_some_and(|when| when <= Instant::now()) {
-            self.lose_device();
-        }
         // Callbacks of a device that does nothing come only here.
         let _ = self.device.poll(wgpu::PollType::Poll);
         if self.faults.lost().is_some() {
@@ -451,8 +446,11 @@ fn panels(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
     let fill = theme::palette(ui).panel;
     let frame = |x, y| Frame::new().fill(fill).inner_margin(Margin::symmetric(x, y));
     Side::top("bar").frame(frame(8, 4)).show(ui, |ui| chrome::bar(ui, state, commands));
+    // Where there is no room, panels stay away: squeezed they would stay small for good.
+    let room = ui.available_size();
+    let (wide, high) = (room.x >= LEAST_ROOM.x, room.y >= LEAST_ROOM.y);
     if state.project.is_some() {
-        if state.panels.gantt {
+        if state.panels.gantt && high {
             Side::bottom("gantt")
                 .frame(frame(12, 8))
                 .resizable(true)
@@ -460,20 +458,20 @@ fn panels(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
                 .size_range(120.0..=800.0)
                 .show(ui, |ui| gantt::show(ui, state, commands));
         }
-        if state.panels.timeline {
+        if state.panels.timeline && high {
             Side::bottom("timeline")
                 .frame(frame(12, 8))
                 .resizable(false)
                 .show(ui, |ui| timeline::show(ui, state, commands));
         }
-        if state.panels.tree {
+        if state.panels.tree && wide {
             Side::left("tree")
                 .frame(frame(12, 8))
                 .default_size(260.0)
                 .size_range(180.0..=520.0)
                 .show(ui, |ui| browser::show(ui, state, commands));
         }
-        if state.panels.inspector {
+        if state.panels.inspector && wide {
             Side::right("inspector")
                 .frame(frame(12, 8))
                 .default_size(280.0)
