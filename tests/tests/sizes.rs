@@ -7,7 +7,7 @@
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use glam::{UVec2, Vec2};
-use topout::window::{Choose, Command, Panel, Window};
+use topout::window::{Choose, Command, Half, Panel, Window};
 use topout_tests::window::{apply, empty, open_sized, picture, settle, state, view};
 
 /// As a screen of so many pixels a point.
@@ -31,7 +31,7 @@ fn assert_fits(harness: &Harness<'_, Window>, what: &str) {
 /// Clicks where an element is seen near the middle of the picture, and finds that one selected.
 fn assert_picks(harness: &mut Harness<'_, Window>, what: &str) {
     let (place, size) = (view(harness), state(harness).picture);
-    let free = |at: Vec2| state(harness).pick(at).map(|(element, _)| (element, at));
+    let free = |at: Vec2| state(harness).pick(Half::Shown, at).map(|hit| (hit.element, at));
     let shares = [0.5, 0.45, 0.55, 0.4, 0.6, 0.35, 0.65, 0.7];
     let seen = shares
         .into_iter()
