@@ -194,13 +194,22 @@ mod tests {
     fn what_is_late_moves_what_follows() {
         let schedule = schedule();
         let network = Network::new(&schedule);
-        let first = &schedule.activities[0].dates().unwrap();
+        // The next storey that is begun.
+        let now = schedule.data_date.unwrap();
+        let structure = |a: &&Activity| {
+            let trade = schedule.wbs_path(a).last().copied();
+            trade == Some("Structure") && a.kind == ActivityKind::Construct
+        };
+        let next = schedule.activities.iter().filter(structure).filter(|a| a.start > Some(now));
+        let next = next.min_by_key(|a| a.start).unwrap();
+        let place = schedule.activities.iter().position(|a| a.id == next.id).unwrap();
+        let dates = next.dates().unwrap();
         let month = 30 * 86_400;
         let late = TimeRange {
-            start: first.start.plus_seconds(month),
-            end: first.end.plus_seconds(month),
+            start: dates.start.plus_seconds(month),
+            end: dates.end.plus_seconds(month),
         };
-        let moves = network.moved(&schedule, &[(0, late)]);
+        let moves = network.moved(&schedule, &[(place, late)]);
         assert!(moves.len() > 10, "{}", moves.len());
     }
 

@@ -8,8 +8,7 @@ use super::planning::{self, Origin};
 use chrono::{Days, NaiveDate};
 use std::sync::Arc;
 use topout_schedule::{
-    Activity, ActivityKind, CalendarException, Diagnostics, Schedule, Shift, Time, TimeRange,
-    WbsNode,
+    Activity, ActivityKind, CalendarException, Schedule, Shift, Time, TimeRange, WbsNode,
 };
 
 /// First and last instant of the project.
@@ -360,14 +359,17 @@ impl Writer<'_> {
 /// The schedule around finished activities.
 pub(super) fn schedule(activities: Vec<Activity>, outline: Vec<WbsNode>) -> Schedule {
     let (start, end) = period();
-    let period = TimeRange { start, end };
-    let mut schedule =
-        Schedule::new("Harbour Tower".to_owned(), Some(period), activities, Diagnostics::default());
-    schedule.calendars = vec![site_calendar()];
-    schedule.calendar = Some(0);
-    schedule.wbs = outline;
-    schedule.data_date = Some(planning::data_date());
-    schedule
+    let schedule = Schedule {
+        project: "Harbour Tower".to_owned(),
+        period: TimeRange { start, end },
+        data_date: Some(planning::data_date()),
+        activities,
+        wbs: outline,
+        calendars: vec![site_calendar()],
+        calendar: Some(0),
+        ..Schedule::default()
+    };
+    schedule.revalidated()
 }
 
 /// When the site is open, as [`Calendar`] counts it.
