@@ -154,6 +154,13 @@ impl Network {
         }
     }
 
+    /// What waits for an activity, and by which kind of link; nothing for one that is not there. Links of
+    /// cycles are not among them.
+    pub fn successors(&self, activity: usize) -> impl Iterator<Item = (usize, LinkKind)> {
+        let edges = if activity < self.order.len() { self.successors.of(activity) } else { &[] };
+        edges.iter().map(|edge| (edge.other as usize, edge.kind))
+    }
+
     /// The links that are part of a cycle, in the order of their activities. They move nothing.
     pub fn cyclic_links(&self) -> &[CyclicLink] {
         &self.cyclic

@@ -6,7 +6,7 @@ use super::clock::{Speed, Step};
 use super::closing::Close;
 use super::compare::Against;
 use super::export::Export;
-use super::gantt::Filter;
+use super::gantt::{Columns, Filter};
 use super::navigation::{Mouse, Navigation};
 use super::section::Section;
 use super::selection::Choose;
@@ -243,6 +243,8 @@ pub enum Command {
     Browse(Box<Browse>),
     /// Which activities the Gantt chart lists.
     SetFilter(Box<Filter>),
+    /// Which columns the Gantt chart has.
+    SetColumns(Columns),
     /// Fold or unfold what is below a summary, given by its place in the outline.
     Fold(u32, bool),
     /// Fold or unfold all summaries.

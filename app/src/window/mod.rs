@@ -57,7 +57,7 @@ pub use compare::{Against, Half};
 pub use device::Left;
 pub use export::{Export, Product};
 pub use frames::FrameLog;
-pub use gantt::{Filter, Gantt, Plan};
+pub use gantt::{COLUMNS, Columns, Filter, Gantt, Plan};
 pub use hint::Hint;
 pub use loading::write_schedule;
 pub use navigation::{Mouse, Navigation};

@@ -2,6 +2,7 @@
 
 use super::clock::Speed;
 use super::command::Command;
+use super::gantt::Columns;
 use super::hint::Hint;
 use super::navigation::Mouse;
 use super::shown::{ElementColors, Panels};
@@ -103,6 +104,7 @@ pub struct Settings {
     tolerance_px: Option<f32>,
     recent: Vec<Recent>,
     hint_seen: bool,
+    gantt_columns: Option<Columns>,
 }
 
 impl Settings {
@@ -128,6 +130,7 @@ impl Settings {
             tolerance_px: Some(state.tolerance_px),
             recent: state.recent.clone(),
             hint_seen: state.hint.seen,
+            gantt_columns: Some(state.columns),
         }
     }
 
@@ -141,6 +144,7 @@ impl Settings {
         state.colors = self.colors.unwrap_or(state.colors);
         state.apply(Command::SetTolerance(self.tolerance_px.unwrap_or(state.tolerance_px)));
         state.recent = self.recent;
+        state.columns = self.gantt_columns.unwrap_or_default();
         state.hint = Hint { open: !self.hint_seen, seen: self.hint_seen };
     }
 
@@ -179,6 +183,7 @@ mod tests {
         for command in [
             Command::SetScheme(Scheme::Light),
             Command::SetMouse(Mouse::Blender),
+            Command::SetColumns(Columns::default().with(5, true)),
             Command::SetSpeed(Speed::Whole(20)),
             Command::ToggleSkipIdle,
             Command::ColorBy(ElementColors::Storey),

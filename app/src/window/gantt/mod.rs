@@ -1,13 +1,16 @@
 //! Activities as rows and bars.
 
 mod bars;
+mod columns;
+mod links;
 mod plan;
 mod rows;
 
+pub use columns::{COLUMNS, Columns};
 pub use plan::{Plan, Row, What};
 pub use rows::{Filter, Gantt};
 
-use super::calendar::{DAY, day_date, short_date};
+use super::calendar::{day_date, short_date};
 use super::command::Command;
 use super::loading::Project;
 use super::state::AppState;
@@ -15,8 +18,10 @@ use super::theme::{SMALL, fold_sign, kind_color, palette};
 use super::timeline::axis::{self, Axis, RULER_ROW};
 use crate::report::grouped;
 use bars::Bars;
+use columns::{days, slack_days};
 use egui::{Align, Color32, Layout, Rect, RichText, Sense, Stroke, Ui};
-use egui_extras::{Column, TableBuilder, TableRow};
+use egui_extras::{Column as Width, TableBuilder, TableRow};
+use links::Seen;
 use topout_schedule::{Activity, Schedule};
 
 /// Height of a row, points.
@@ -95,6 +100,7 @@ fn tools(ui: &mut Ui, state: &AppState, project: &Project, commands: &mut Vec<Co
         if close.clicked() {
             commands.push(Command::Toggle(super::command::Panel::Gantt));
         }
+        columns_menu(ui, state, commands);
         if !schedule.wbs.is_empty() {
             if ui.button("Unfold all").clicked() {
                 commands.push(Command::FoldAll(false));
@@ -112,20 +118,17 @@ fn tools(ui: &mut Ui, state: &AppState, project: &Project, commands: &mut Vec<Co
     });
 }
 
-/// The columns before the bars: name, first width, and what of an activity stands in them.
-type Cell = fn(&Activity) -> String;
-const COLUMNS: [(&str, f32, Cell); 5] = [
-    ("Id", 84.0, |a| a.id.clone()),
-    ("Start", 84.0, |a| a.start.map(day_date).unwrap_or_default()),
-    ("Finish", 84.0, |a| a.end.map(day_date).unwrap_or_default()),
-    ("Days", 44.0, |a| a.dates().map(|d| days(d.seconds())).unwrap_or_default()),
-    ("Done", 44.0, |a| a.percent_complete.map(|p| format!("{p:.0} %")).unwrap_or_default()),
-];
-
-/// Civil days, with a half where there is one.
-fn days(seconds: i64) -> String {
-    let days = seconds as f64 / DAY as f64;
-    if days >= 10.0 || days.fract() < 0.05 { format!("{days:.0}") } else { format!("{days:.1}") }
+/// Which columns are shown.
+fn columns_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
+    let menu = ui.menu_button("Columns", |ui| {
+        for (i, column) in COLUMNS.iter().enumerate() {
+            let mut shown = state.columns.has(i);
+            if ui.checkbox(&mut shown, column.name).on_hover_text(column.tip).changed() {
+                commands.push(Command::SetColumns(state.columns.with(i, shown)));
+            }
+        }
+    });
+    menu.response.on_hover_text("Which columns stand beside the bars");
 }
 
 fn table(ui: &mut Ui, state: &AppState, project: &Project, commands: &mut Vec<Command>) {
@@ -137,26 +140,32 @@ fn table(ui: &mut Ui, state: &AppState, project: &Project, commands: &mut Vec<Co
 
     ui.spacing_mut().item_spacing.y = 0.0;
     let mut builder = TableBuilder::new(ui)
-        .id_salt("gantt")
+        .id_salt(("gantt", state.columns.key()))
         .striped(false)
         .resizable(true)
         .sense(Sense::click())
         .auto_shrink(false)
         .animate_scrolling(false)
         .cell_layout(Layout::left_to_right(Align::Center))
-        .column(Column::initial(240.0).at_least(80.0).clip(true));
-    for (_, width, _) in COLUMNS {
-        builder = builder.column(Column::initial(width).at_least(24.0).clip(true));
+        .column(Width::initial(240.0).at_least(80.0).clip(true));
+    for column in state.columns.shown() {
+        let width = COLUMNS[column].width;
+        builder = builder.column(Width::initial(width).at_least(24.0).clip(true));
     }
-    builder = builder.column(Column::remainder().at_least(80.0).clip(true));
+    builder = builder.column(Width::remainder().at_least(80.0).clip(true));
     if let Some(row) = scroll_to {
         builder = builder.scroll_to_row(row, Some(Align::Center));
     }
+    let mut seen = Seen::default();
     builder
         .header(2.0 * RULER_ROW + 2.0, |mut header| {
-            for name in ["Name"].into_iter().chain(COLUMNS.map(|(name, ..)| name)) {
+            let named = state.columns.shown().map(|c| (COLUMNS[c].name, COLUMNS[c].tip));
+            for (name, tip) in [("Name", "")].into_iter().chain(named) {
                 header.col(|ui| {
-                    ui.label(RichText::new(name).size(SMALL).color(palette(ui).weak));
+                    let label = ui.label(RichText::new(name).size(SMALL).color(palette(ui).weak));
+                    if !tip.is_empty() {
+                        label.on_hover_text(tip);
+                    }
                 });
             }
             header.col(|ui| ruler(ui, state, commands));
@@ -164,17 +173,20 @@ fn table(ui: &mut Ui, state: &AppState, project: &Project, commands: &mut Vec<Co
         .body(|body| {
             let rows = state.gantt.rows();
             body.rows(ROW, rows.len(), |mut row| {
-                let place = rows[row.index()] as usize;
+                let index = row.index();
+                let place = rows[index] as usize;
                 match project.plan.rows()[place] {
                     Row { what: What::Summary(summary), depth, .. } => {
                         summary_row(&mut row, state, project, summary, depth, commands);
                     }
                     Row { what: What::Activity(activity), depth, .. } => {
-                        activity_row(&mut row, state, project, activity as usize, depth, commands);
+                        let place = (index, activity as usize, depth);
+                        activity_row(&mut row, state, project, place, &mut seen, commands);
                     }
                 }
             });
         });
+    seen.paint(ui, state, project);
 }
 
 /// The ruler above the bars, which is dragged as the timeline is.
@@ -235,7 +247,9 @@ fn summary_row(
     let dates = sum.span.map(|s| [day_date(s.start), day_date(s.end), days(s.seconds())]);
     let [start, finish, days] = dates.unwrap_or_default();
     let done = sum.done().map(|done| format!("{:.0} %", done * 100.0)).unwrap_or_default();
-    for text in [node.code.clone(), start, finish, days, done] {
+    let texts = [node.code.clone(), start, finish, days, done];
+    for column in state.columns.shown() {
+        let text = texts.get(column).cloned().unwrap_or_default();
         row.col(|ui| {
             ui.label(RichText::new(text).size(SMALL).color(palette(ui).weak));
         });
@@ -265,8 +279,8 @@ fn activity_row(
     row: &mut TableRow<'_, '_>,
     state: &AppState,
     project: &Project,
-    activity: usize,
-    depth: u16,
+    (index, activity, depth): (usize, usize, u16),
+    seen: &mut Seen,
     commands: &mut Vec<Command>,
 ) {
     let schedule = &project.scene.schedule;
@@ -286,18 +300,20 @@ fn activity_row(
         let text = if it.active { text } else { text.weak().strikethrough() };
         name_cell(ui, depth, text, None);
     });
-    for (i, (.., cell)) in COLUMNS.into_iter().enumerate() {
+    for column in state.columns.shown() {
         row.col(|ui| {
-            let color = match i {
+            let color = match column {
                 2 if late => palette(ui).warning,
                 _ => palette(ui).weak,
             };
-            let text = RichText::new(cell(it)).size(SMALL).color(color);
+            let text = (COLUMNS[column].text)(project, activity);
+            let text = RichText::new(text).size(SMALL).color(color);
             ui.add(egui::Label::new(text).truncate().selectable(false));
         });
     }
     row.col(|ui| {
         let bars = Bars::begin(ui, state);
+        seen.add(ui, index, Some(activity), ui.max_rect());
         let color = bar_color(ui, schedule, it);
         bars.activity(ui, activity, it, color, project.plan.is_critical(activity), commands);
         bars.wheel(ui, state, commands);
@@ -313,9 +329,9 @@ fn activity_row(
     if response.hovered() {
         let dates = it.dates().map(|d| format!("{} – {}", short_date(d.start), short_date(d.end)));
         let elements = project.plan.elements_of(activity).len();
-        let slack = project.plan.slack(activity).map(|seconds| match seconds {
-            ..=0 => "\ncritical".to_owned(),
-            seconds => format!("\n{} h of slack", grouped(seconds.unsigned_abs() / 3600)),
+        let slack = slack_days(project, activity).map(|days| match days {
+            ..=0.0 => "\ncritical".to_owned(),
+            days => format!("\n{days:.1} days of slack"),
         });
         response.on_hover_text(format!(
             "{}  {}\n{}\n{} elements{}",

@@ -15,7 +15,7 @@ use super::compare::{Compared, Comparing, Half};
 use super::explode::Explosion;
 use super::export::{Export, Exporting, browse};
 use super::frames::FrameLog;
-use super::gantt::Gantt;
+use super::gantt::{Columns, Gantt};
 use super::hint::Hint;
 use super::history::History;
 use super::loading::{Answer, Ask, Job, Loaded, Outcome, Project, Stamp, Wake, place_project};
@@ -139,6 +139,8 @@ pub struct AppState {
     pub scale: Scale,
     /// The rows of the Gantt chart.
     pub gantt: Gantt,
+    /// Its columns.
+    pub columns: Columns,
     /// The model tree.
     pub browser: Browser,
 
@@ -231,6 +233,7 @@ impl AppState {
             clock: Clock::default(),
             scale: Scale::default(),
             gantt: Gantt::default(),
+            columns: Columns::default(),
             browser: Browser::default(),
             camera: Camera::fit_named(&Default::default(), NamedView::Iso, picture),
             trail: Trail::default(),
@@ -491,6 +494,7 @@ impl AppState {
             Command::Redo => self.step_history(false),
             Command::Browse(wanted) => self.browser.wanted = *wanted,
             Command::SetFilter(filter) => self.gantt.filter = *filter,
+            Command::SetColumns(columns) => self.columns = columns,
             Command::Fold(node, folded) => self.gantt.fold(node, folded),
             Command::FoldAll(folded) => {
                 if let Some(project) = &self.project {
