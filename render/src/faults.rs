@@ -68,7 +68,10 @@ impl Faults {
                 wgpu::Error::Validation { description, .. }
                 | wgpu::Error::Internal { description, .. } => Fault::Refused(description),
             };
-            look(&fault);
+            // What follows from the loss is nobody's mistake.
+            if heard.lost().is_none() {
+                look(&fault);
+            }
             heard.hear(fault);
             wake();
         }));
@@ -82,10 +85,11 @@ impl Faults {
     }
 
     fn hear(&self, fault: Fault) {
-        tracing::error!("the graphics device: {fault:?}");
         let mut kept = self.0.fault.lock().unwrap_or_else(PoisonError::into_inner);
         // What fails first is the cause of what follows, unless that is memory.
         if !matches!((&*kept, &fault), (Some(_), Fault::Refused(_))) {
+            // Only these are logged: one buffer that is missing is refused hundreds of times a frame.
+            tracing::error!("the graphics device: {fault:?}");
             *kept = Some(fault);
         }
     }

@@ -30,6 +30,7 @@ impl Picture {
 /// The bytes of a texture of four bytes a pixel, rows without padding.
 pub(crate) fn texture_bytes(gpu: &Gpu, texture: &wgpu::Texture) -> Result<Vec<u8>, GpuError> {
     // Whoever lost the device wants to hear that, not what followed from it.
+    let _ = gpu.device.poll(wgpu::PollType::Poll);
     gpu.faults.check()?;
     let size = texture.size();
     let row = size.width * 4;

@@ -264,6 +264,10 @@ impl Window {
     /// Takes what is shown out of a window whose device was lost.
     pub fn leave(&mut self) -> Option<Left> {
         let why = self.faults.lost()?.to_owned();
+        if self.told.is_some() {
+            // What was refused was the beginning of the loss.
+            self.state.error = None;
+        }
         let nothing = AppState::new(Arc::new(|| ()));
         Some(Left { state: std::mem::replace(&mut self.state, nothing), why })
     }

@@ -500,6 +500,14 @@ mod tests {
             (r#"{"format": "topout-project", "version": 9, "models": ["a.glb"]}"#, "newer"),
             (r#"{"format": "topout-project", "version": 1, "models": []}"#, "names no models"),
             (r#"{"format": "topout-project", "version": 1, "models": ["x.topout"]}"#, "a project"),
+            (
+                r#"{"format": "topout-project", "version": 1, "models": ["a.glb"], "dates": "soon"}"#,
+                "\"soon\" is none of planned",
+            ),
+            (
+                r#"{"format": "topout-project", "version": 1, "models": ["a.glb"], "columns": ["begin=A"]}"#,
+                "\"begin\" is no meaning of a column",
+            ),
         ] {
             std::fs::write(&file, text).unwrap();
             let error = crate::report::describe(&read(&file).unwrap_err());
