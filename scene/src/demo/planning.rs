@@ -210,7 +210,7 @@ mod tests {
             end: dates.end.plus_seconds(month),
         };
         let moves = network.moved(&schedule, &[(place, late)]);
-        assert!(moves.len() > 10, "{}", moves.len());
+        assert!(moves.len() >= 5, "{}", moves.len());
     }
 
     #[test]
