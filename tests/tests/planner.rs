@@ -7,7 +7,7 @@ use egui::{Key, Modifiers, MouseWheelUnit, Pos2, TouchPhase};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 use topout::window::{
-    Choose, Command, ElementColors, Filter, Half, Panel, Run, Shown, Speed, Step, Window,
+    COLUMNS, Choose, Command, ElementColors, Filter, Half, Panel, Run, Shown, Speed, Step, Window,
 };
 use topout_scene::ElementId;
 use topout_schedule::Time;
@@ -575,4 +575,30 @@ fn pictures_films_and_reports_are_saved() {
     settle(&mut harness);
     assert!(state(&harness).error.as_ref().unwrap().contains("at all.png"));
     assert!(state(&harness).project.is_some());
+}
+
+#[test]
+fn the_gantt_chart_has_the_columns_that_one_chooses() {
+    let mut harness = open();
+    apply(&mut harness, Command::Toggle(Panel::Gantt));
+    apply(&mut harness, Command::FoldAll(false));
+    assert!(harness.query_by_label("Waits for").is_none());
+    harness.get_by_label("Columns").click();
+    harness.run();
+    harness.get_by_label("Waits for").click();
+    harness.run();
+    // The list stays open for more.
+    harness.get_by_label("Slack").click();
+    settle(&mut harness);
+    let columns = state(&harness).columns;
+    let names: Vec<&str> = columns.shown().map(|c| COLUMNS[c].name).collect();
+    assert_eq!(names, ["Id", "Start", "Finish", "Days", "Done", "Slack", "Waits for"]);
+    // The first row of an activity names what it waits for.
+    let project = state(&harness).project.clone().unwrap();
+    let waits = |i: &usize| !project.scene.schedule.activities[*i].predecessors.is_empty();
+    let activity = (0..project.scene.schedule.activities.len()).find(waits).unwrap();
+    let column = &COLUMNS[8];
+    let text = (column.text)(&project, activity);
+    let from = project.scene.schedule.activities[activity].predecessors[0].activity;
+    assert!(text.starts_with(&project.scene.schedule.activities[from as usize].id), "{text}");
 }

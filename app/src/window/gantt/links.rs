@@ -79,10 +79,10 @@ impl Seen {
         };
         let in_sight = |activity: usize| self.rows.iter().any(|row| row.1 == Some(activity));
         for activity in self.rows.iter().filter_map(|row| row.1) {
-            for link in &project.scene.schedule.activities[activity].predecessors {
+            for link in project.scene.schedule.activities[activity].predecessors.iter().take(MOST) {
                 line(link.activity as usize, link.kind, activity);
             }
-            for (next, kind) in project.network.successors(activity) {
+            for (next, kind) in project.network.successors(activity).take(MOST) {
                 // The others come with the rows that they lead to.
                 if !in_sight(next) {
                     line(activity, kind, next);

@@ -19,7 +19,8 @@ use super::timeline::axis::{self, Axis, RULER_ROW};
 use crate::report::grouped;
 use bars::Bars;
 use columns::{days, slack_days};
-use egui::{Align, Color32, Layout, Rect, RichText, Sense, Stroke, Ui};
+use egui::containers::menu::{MenuButton, MenuConfig};
+use egui::{Align, Color32, Layout, PopupCloseBehavior, Rect, RichText, Sense, Stroke, Ui};
 use egui_extras::{Column as Width, TableBuilder, TableRow};
 use links::Seen;
 use topout_schedule::{Activity, Schedule};
@@ -120,7 +121,8 @@ fn tools(ui: &mut Ui, state: &AppState, project: &Project, commands: &mut Vec<Co
 
 /// Which columns are shown.
 fn columns_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
-    let menu = ui.menu_button("Columns", |ui| {
+    let config = MenuConfig::new().close_behavior(PopupCloseBehavior::CloseOnClickOutside);
+    let (button, _) = MenuButton::new("Columns").config(config).ui(ui, |ui| {
         for (i, column) in COLUMNS.iter().enumerate() {
             let mut shown = state.columns.has(i);
             if ui.checkbox(&mut shown, column.name).on_hover_text(column.tip).changed() {
@@ -128,7 +130,7 @@ fn columns_menu(ui: &mut Ui, state: &AppState, commands: &mut Vec<Command>) {
             }
         }
     });
-    menu.response.on_hover_text("Which columns stand beside the bars");
+    button.on_hover_text("Which columns stand beside the bars");
 }
 
 fn table(ui: &mut Ui, state: &AppState, project: &Project, commands: &mut Vec<Command>) {
@@ -137,6 +139,9 @@ fn table(ui: &mut Ui, state: &AppState, project: &Project, commands: &mut Vec<Co
     let fulfilled: u64 = ui.data(|data| data.get_temp(key)).unwrap_or(0);
     let scroll_to = row.filter(|_| number > fulfilled);
     ui.data_mut(|data| data.insert_temp(key, number));
+
+    let scrolled = egui::Id::unique("gantt scroll");
+    let before: Option<(Columns, f32)> = ui.data(|data| data.get_temp(scrolled));
 
     ui.spacing_mut().item_spacing.y = 0.0;
     let mut builder = TableBuilder::new(ui)
@@ -156,8 +161,14 @@ fn table(ui: &mut Ui, state: &AppState, project: &Project, commands: &mut Vec<Co
     if let Some(row) = scroll_to {
         builder = builder.scroll_to_row(row, Some(Align::Center));
     }
+    // Other columns are another table, which begins where the one before was.
+    if let Some((columns, offset)) = before
+        && columns != state.columns
+    {
+        builder = builder.vertical_scroll_offset(offset);
+    }
     let mut seen = Seen::default();
-    builder
+    let output = builder
         .header(2.0 * RULER_ROW + 2.0, |mut header| {
             let named = state.columns.shown().map(|c| (COLUMNS[c].name, COLUMNS[c].tip));
             for (name, tip) in [("Name", "")].into_iter().chain(named) {
@@ -186,6 +197,8 @@ fn table(ui: &mut Ui, state: &AppState, project: &Project, commands: &mut Vec<Co
                 }
             });
         });
+    let offset = output.state.clamped_offset().y;
+    ui.data_mut(|data| data.insert_temp(scrolled, (state.columns, offset)));
     seen.paint(ui, state, project);
 }
 
