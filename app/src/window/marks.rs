@@ -55,7 +55,9 @@ impl Marks<'_> {
         let text = if self.side == Half::Shown { shown } else { other };
         let font = FontId::proportional(SMALL + 2.0);
         let galley = painter.layout_no_wrap(text, font, palette(ui).text);
-        let at = self.raster.place.center_bottom() - egui::vec2(0.0, 16.0);
+        // Above the figures, where these reach into the middle.
+        let up = if self.raster.place.width() < 480.0 { 84.0 } else { 16.0 };
+        let at = self.raster.place.center_bottom() - egui::vec2(0.0, up);
         let place = Align2::CENTER_BOTTOM.anchor_size(at, galley.size());
         painter.rect_filled(
             place.expand2(egui::vec2(8.0, 3.0)),
