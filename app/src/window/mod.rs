@@ -158,7 +158,7 @@ fn open(request: Option<Request>, estate: &Estate) -> anyhow::Result<()> {
             }
         };
         window.estate = Some(heir);
-        device::lose_if_asked(&window.device);
+        device::lose_if_asked(&window.opened.device);
         Ok(Box::new(window))
     });
     eframe::run_native("topout", options, create).map_err(|error| match error {
@@ -188,7 +188,6 @@ pub struct Window {
     /// The picture on the other side of a comparison.
     other: Option<Viewport>,
     opened: egui_wgpu::RenderState,
-    device: wgpu::Device,
     faults: Faults,
     /// What was told last of the device.
     told: Option<Fault>,
@@ -243,7 +242,6 @@ impl Window {
             viewport: Viewport::new(opened),
             other: None,
             opened: opened.clone(),
-            device: opened.device.clone(),
             faults,
             told: None,
             estate: None,
@@ -258,7 +256,7 @@ impl Window {
 
     /// Destroys the device, as a driver that fails does.
     pub fn lose_device(&self) {
-        self.device.destroy();
+        self.opened.device.destroy();
     }
 
     /// Takes what is shown out of a window whose device was lost.
@@ -275,7 +273,7 @@ impl Window {
     /// Whether the device is gone, which ends this window; says what else is wrong with it.
     fn listen(&mut self, ctx: &egui::Context) -> bool {
         // Callbacks of a device that does nothing come only here.
-        let _ = self.device.poll(wgpu::PollType::Poll);
+        let _ = self.opened.device.poll(wgpu::PollType::Poll);
         if self.faults.lost().is_some() {
             // egui cannot paint without a device, and panics where it tries.
             ctx.graphics_mut(|painted| *painted = Default::default());

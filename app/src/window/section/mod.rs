@@ -57,6 +57,17 @@ impl SectionBox {
         Self { center: bounds.center(), half: bounds.size() * 0.5 + room, turn: 0.0 }
     }
 
+    /// Over a storey, given by its height and that of the next one: with its own floor and without the slab above, so
+    /// that one sees into it.
+    pub fn on_storey(&self, foot: f32, next: f32) -> Self {
+        const SLAB: f32 = 0.2;
+        let half = (next - foot) * 0.5;
+        let mut boxed = *self;
+        boxed.center.y = foot + half - 2.0 * half * SLAB;
+        boxed.half.y = half;
+        boxed
+    }
+
     /// The box before it is turned.
     fn bounds(&self) -> Aabb {
         Aabb { min: self.center - self.half, max: self.center + self.half }
@@ -171,6 +182,17 @@ mod tests {
                 prop_assert!(section.clip().contains(at(0.99)) && !section.clip().contains(at(1.01)));
             }
         }
+    }
+
+    #[test]
+    fn a_storey_is_open_above_and_has_its_floor() {
+        let half = Vec3::new(4.0, 9.0, 4.0);
+        let boxed = SectionBox { center: Vec3::ONE, half, turn: 0.3 }.on_storey(6.0, 9.0);
+        let clip = Section { on: true, boxed: Some(boxed), planes: Vec::new() }.clip();
+        let shown = |y: f32| clip.contains(Vec3::new(1.0, y, 1.0));
+        // Its slab lies below 6 m, the next one below 9 m.
+        assert!(shown(5.7) && shown(8.0) && !shown(8.7) && !shown(5.0));
+        assert_eq!((boxed.half.x, boxed.center.x, boxed.turn), (4.0, 1.0, 0.3));
     }
 
     #[test]

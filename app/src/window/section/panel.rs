@@ -141,7 +141,7 @@ fn box_rows(ui: &mut Ui, boxed: &mut SectionBox, origin: DVec3) {
     }
 }
 
-/// From the foot of one storey to that of the next.
+/// Opens one storey.
 fn storey_row(ui: &mut Ui, boxed: &mut SectionBox, state: &AppState) {
     let Some(project) = &state.project else { return };
     egui::ComboBox::from_label("Storey").selected_text("Choose…").height(320.0).show_ui(ui, |ui| {
@@ -153,9 +153,8 @@ fn storey_row(ui: &mut Ui, boxed: &mut SectionBox, state: &AppState) {
         for (i, storey) in storeys.iter().enumerate() {
             if ui.button(&storey.name).clicked() {
                 let above = storeys.get(i + 1).map(|next| next.foot);
-                let top = above.unwrap_or(project.focus.max.y).max(storey.foot + 2.0);
-                boxed.center.y = (storey.foot + top) * 0.5;
-                boxed.half.y = (top - storey.foot) * 0.5;
+                let next = above.unwrap_or(project.focus.max.y).max(storey.foot + 2.0);
+                *boxed = boxed.on_storey(storey.foot, next);
             }
         }
     });
